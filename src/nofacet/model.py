@@ -1,0 +1,112 @@
+"""The model that every renderer draws: rational Bezier patches and trim loops in plain arrays.
+
+Nothing here knows OpenCascade. Distinct faces ("definitions") are converted once; an assembly that uses one of
+them a thousand times holds a thousand (definition, placement) pairs. Length n, D, L, S, M, F, K below are the number
+of patches of a group, definitions, loops, segments, segment points, placed faces and placements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+DEFAULT_COLOR = (0.6, 0.65, 0.7, 1.0)  # linear RGBA of a face that the file gives no colour
+
+
+@dataclass(frozen=True)
+class PatchGroup:
+    """All patches of one bidegree (du, dv).
+
+    control_points: (n, du + 1, dv + 1, 4) float64, homogeneous (wx, wy, wz, w), model units, in the definition's own
+        coordinates; the first index runs along u.
+    definition: (n,) int32, the face definition each patch belongs to.
+    domain: (n, 4) float64, u0, u1, v0, v1: OpenCascade's parameters of the face at the patch's borders.
+    angular: (n, 2) uint8, for u and v: 0 where the parameter is linear in the patch parameter s, u = u0 + s (u1 - u0);
+        1 where it is an angle (radians), u = m + 2 atan(T (2 s - 1)), m = (u0 + u1) / 2, T = tan((u1 - u0) / 4).
+    """
+
+    control_points: NDArray[np.float64]
+    definition: NDArray[np.int32]
+    domain: NDArray[np.float64]
+    angular: NDArray[np.uint8]
+
+    @property
+    def degree(self) -> tuple[int, int]:
+        """Bidegree (du, dv)."""
+        return self.control_points.shape[1] - 1, self.control_points.shape[2] - 1
+
+
+@dataclass(frozen=True)
+class Node:
+    """One node of the assembly tree: its name, its parent's index (-1: root), the faces it holds itself (F indices)."""
+
+    name: str
+    parent: int
+    faces: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A CAD model as patches and trim loops.
+
+    Definitions (distinct faces, converted once):
+    surface_type: D strings: plane, cylinder, cone, sphere, torus, bezier, bspline, revolution, extrusion, offset,
+        triangles, other.
+    trimmed: (D,) uint8; 0: the patches are drawn whole, 1: the loops decide.
+    definition_loops: (D + 1,) int64, offsets into the loops.
+    loop_offsets: (L + 1,) int64, offsets into the segments.
+    segment_offsets: (S + 1,) int64, offsets into segment_points; segment k has degree
+        segment_offsets[k + 1] - segment_offsets[k] - 1.
+    segment_points: (M, 3) float64, homogeneous (wu, wv, w) with w > 0: rational Bezier segments in OpenCascade's
+        (u, v) of the face. Neighbouring segments share their end point bitwise, loops are closed, ends have w = 1;
+        a point is inside by the even-odd rule over all loops of its definition.
+    segment_edge: (S,) int32, index of the edge the segment runs along; -1: seam, degenerate edge or weld.
+    conversion_error: (D,) float64, largest distance to OpenCascade's surface in model units; NaN: not measured.
+
+    Placed faces, in the order of TopExp::MapShapes(shape, TopAbs_FACE):
+    face_definition: (F,) int32.
+    face_placement: (F,) int32.
+    placements: (K, 4, 4) float64, world from definition coordinates.
+    face_outward: (F,) int8, +1 where Su x Sv (in world coordinates) points out of the material, else -1.
+    face_color: (F, 4) float32, linear RGBA.
+    face_name: F strings, "" without a name.
+
+    tree: assembly nodes, parents before children; may be empty.
+    warnings: one line each.
+    """
+
+    source: str
+    groups: list[PatchGroup]
+    surface_type: list[str]
+    trimmed: NDArray[np.uint8]
+    definition_loops: NDArray[np.int64]
+    loop_offsets: NDArray[np.int64]
+    segment_offsets: NDArray[np.int64]
+    segment_points: NDArray[np.float64]
+    segment_edge: NDArray[np.int32]
+    conversion_error: NDArray[np.float64]
+    face_definition: NDArray[np.int32]
+    face_placement: NDArray[np.int32]
+    placements: NDArray[np.float64]
+    face_outward: NDArray[np.int8]
+    face_color: NDArray[np.float32]
+    face_name: list[str]
+    tree: list[Node] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def definition_count(self) -> int:
+        """D, the number of distinct faces."""
+        return len(self.surface_type)
+
+    @property
+    def face_count(self) -> int:
+        """F, the number of placed faces."""
+        return len(self.face_definition)
+
+    @property
+    def patch_count(self) -> int:
+        """Number of patches of all definitions, each counted once however often it is placed."""
+        return sum(len(group.definition) for group in self.groups)
