@@ -18,6 +18,7 @@ DEMO_PICTURE := build/demo.png
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.native
+	@:
 
 build: setup
 
