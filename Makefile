@@ -33,10 +33,10 @@ $(VENV)/.created: .ci/system_packages
 $(VENV)/.packages: pyproject.toml $(VENV)/.created
 	$(PIP) install --upgrade pip scikit-build-core nanobind cmake ninja
 	$(PIP) install --no-build-isolation --editable '.[dev]'
-	@$(PYTHON) -c 'import OCP.IVtkOCC' 2>/dev/null || \
+	@$(PYTHON) -c 'from OCP.IVtkOCC import IVtkOCC_Shape' >/dev/null 2>&1 || \
 	    { echo "writing the OCP module with VTK over the one without"; \
 	      $(PIP) install --force-reinstall --no-deps "$$($(PYTHON) -m pip freeze | grep '^cadquery-ocp==')"; }
-	@$(PYTHON) -c 'import OCP.IVtkOCC, cadquery, build123d'
+	@$(PYTHON) -c 'import cadquery, build123d'
 	@touch $@
 
 $(VENV)/.native: $(VENV)/.packages CMakeLists.txt $(CXX_SOURCES)
