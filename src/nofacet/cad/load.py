@@ -1,0 +1,53 @@
+"""load(): whatever holds a CAD model to a Model."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from nofacet.cad.formats import file_format
+from nofacet.cad.worker import read_in_worker
+from nofacet.model import Model
+
+
+def load(
+    source: Any,
+    timeout: float = 300.0,
+    progress: Callable[[str], None] | bool | None = None,
+    measure: bool = False,
+) -> Model:
+    """Load a CAD model.
+
+    source: the path of a STEP or BREP file (str or PathLike; told apart by content, not by extension); a cadquery
+        Workplane, Shape or Assembly; a build123d shape, assembly or builder; an OpenCascade TopoDS_Shape.
+        A file is read in a process of its own, which cannot take this one down.
+    timeout: seconds that reading a file may take, math.inf for no limit.
+    progress: called once a second with a line of text while a file is read; True: write it to standard error.
+    measure: compare every patch with OpenCascade's surface and fill Model.conversion_error.
+
+    Lengths are in mm for STEP files (OpenCascade converts), else as in the source. Colours are linear RGBA.
+    Raises InputError (one line: what is wrong, what to do) if there is nothing to show. What is lost of a model that
+    can be shown is named in Model.warnings.
+    """
+    if isinstance(source, (str, os.PathLike)):
+        path = os.fsdecode(source)
+        file_format(path)  # refuses at once what needs no OpenCascade to be refused
+        return read_in_worker(path, timeout, write_progress if progress is True else progress or None, measure)
+    from nofacet.cad.convert import convert
+    from nofacet.cad.objects import cad_object
+
+    shape, appearance = cad_object(source)
+    model = appearance.applied_to(convert(shape, type(source).__name__))
+    if measure:
+        from nofacet.cad.measure import conversion_errors
+
+        model = replace(model, conversion_error=conversion_errors(shape, model))
+    return model
+
+
+def write_progress(line: str) -> None:
+    """Write a line of progress to standard error."""
+    print(line, file=sys.stderr, flush=True)

@@ -1,0 +1,121 @@
+"""A STEP or BREP file to one OpenCascade shape with its colours, names and assembly tree.
+
+May hang, print or crash the process on damaged files, as OpenCascade does: call it through nofacet.cad.worker.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from OCP.BinTools import BinTools
+from OCP.BRep import BRep_Builder
+from OCP.BRepTools import BRepTools
+from OCP.IFSelect import IFSelect_ReturnStatus
+from OCP.Interface import Interface_Static
+from OCP.Standard import Standard_Failure
+from OCP.STEPCAFControl import STEPCAFControl_Reader
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDocStd import TDocStd_Document
+from OCP.TopoDS import TopoDS_Shape
+from OCP.XCAFDoc import XCAFDoc_ShapeTool
+
+from nofacet.cad.appearance import Appearance, FaceIndex, document_appearance
+from nofacet.cad.formats import StepText, file_format, scan_step_text
+from nofacet.errors import InputError
+
+
+@dataclass(frozen=True)
+class CadFile:
+    """The contents of a file: at least one face, lengths in mm for STEP and as written for BREP.
+
+    shape: for STEP the shape of STEPControl_Reader.OneShape() after TransferRoots(): its faces number the model's.
+    warnings: one line each.
+    """
+
+    shape: TopoDS_Shape
+    appearance: Appearance
+    warnings: list[str]
+
+
+def read_file(path: str, enter_stage: Callable[[str], None] = lambda stage: None) -> CadFile:
+    """Read a STEP (AP203, AP214, AP242) or BREP (ASCII, binary) file, told apart by content.
+
+    enter_stage is called with a few words as each stage begins.
+    Raises InputError if nothing can be drawn; faces that are lost on the way are named in the warnings.
+    """
+    format_ = file_format(path)
+    try:
+        return _read_step(path, enter_stage) if format_ == "step" else _read_brep(path, format_ == "binary brep")
+    except (Standard_Failure, RuntimeError) as error:
+        detail = " ".join(str(error).split())
+        raise InputError(
+            f"{path}: OpenCascade cannot read it ({detail or type(error).__name__}); {_DAMAGED}"
+        ) from error
+
+
+_DAMAGED = "the file is probably damaged, export it again"
+
+
+def _read_brep(path: str, binary: bool) -> CadFile:
+    shape = TopoDS_Shape()
+    read = BinTools.Read_s(shape, path) if binary else BRepTools.Read_s(shape, path, BRep_Builder())
+    if not read or shape.IsNull():
+        raise InputError(f"{path}: OpenCascade cannot read this BREP file; {_DAMAGED}")
+    index = FaceIndex(shape)
+    if not len(index):
+        raise InputError(f"{path}: has no faces, so there is nothing to draw")
+    return CadFile(shape, Appearance.plain(len(index)), [])
+
+
+def _read_step(path: str, enter_stage: Callable[[str], None]) -> CadFile:
+    enter_stage("reading the file")
+    with open(path, "rb") as file:
+        text = scan_step_text(file.read())
+    reader = _step_reader(text)
+    # Transferring after any other status than RetDone crashes OpenCascade
+    if reader.ReadFile(path) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        if not text.complete:
+            raise InputError(f"{path}: is cut short (END-ISO-10303-21 is missing); copy or export it again")
+        raise InputError(f"{path}: OpenCascade cannot read this STEP file; {_DAMAGED}")
+    enter_stage("transferring the shapes")
+    document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
+    reader.Transfer(document)
+    shape = reader.ChangeReader().OneShape()
+    if shape.IsNull():
+        raise InputError(_nothing_delivered(path, text))
+    enter_stage("collecting colours and names")
+    index = FaceIndex(shape)
+    if not len(index):
+        raise InputError(_nothing_delivered(path, text))
+    warnings = []
+    missing = text.declared_faces - index.distinct()
+    if missing > 0:
+        warnings.append(
+            f"{os.path.basename(path)}: the file declares {text.declared_faces} faces, OpenCascade delivered "
+            f"{index.distinct()}; {missing} {'is' if missing == 1 else 'are'} missing from what is drawn"
+        )
+    return CadFile(shape, document_appearance(document, index), warnings)
+
+
+def _step_reader(text: StepText) -> STEPCAFControl_Reader:
+    reader = STEPCAFControl_Reader()  # registers the settings below
+    Interface_Static.SetIVal_s("read.stepcaf.subshapes.name", int(text.names_parts_of_shapes))
+    Interface_Static.SetCVal_s("read.stepcaf.codepage", "UTF8" if text.utf8 else "ISO8859-1")
+    XCAFDoc_ShapeTool.SetAutoNaming_s(False)
+    reader.SetColorMode(True)
+    reader.SetNameMode(True)
+    reader.SetSHUOMode(True)  # colours of one occurrence inside an assembly that is placed several times
+    reader.SetLayerMode(False)
+    reader.SetPropsMode(False)
+    reader.SetGDTMode(False)
+    reader.SetMatMode(False)
+    reader.SetViewMode(False)
+    return reader
+
+
+def _nothing_delivered(path: str, text: StepText) -> str:
+    if text.declared_faces:
+        return f"{path}: the file declares {text.declared_faces} faces, OpenCascade delivered none; {_DAMAGED}"
+    return f"{path}: has no faces, so there is nothing to draw"
