@@ -1,0 +1,252 @@
+"""The command line: `nofacet render` and `nofacet info`.
+
+Exit status: 0 done, 1 the input could not be shown or the picture not be written, 2 wrong usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import nofacet
+
+from .camera import DEFAULT_VIEW_ANGLE, VIEWS, Camera
+from .cli_options import (
+    Parser,
+    UsageError,
+    add_common_options,
+    add_info_options,
+    add_render_options,
+    did_you_mean,
+    vector,
+)
+from .errors import InputError
+from .frame import BUFFERS, Frame, check_extension
+from .summary import summary
+
+WHITE = (1.0, 1.0, 1.0)
+INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
+BROKEN_PIPE = 141  # the same for one whose reader went away
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit status."""
+    verbose = "--verbose" in (sys.argv[1:] if arguments is None else arguments)
+    try:
+        options = _parse(arguments)
+        status: int = options.run(options)
+        sys.stdout.flush()
+        return status
+    except UsageError as error:
+        return _fail(error, 2)
+    except InputError as error:
+        return _fail(error, 1)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # keeps the interpreter's last flush quiet
+        return BROKEN_PIPE
+    except OSError as error:
+        return _fail(f"{error.filename}: {error.strerror}" if error.filename else error, 1)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        if verbose:
+            traceback.print_exc()
+        hint = "please report it with the output of --verbose"
+        return _fail(f"internal error: {type(error).__name__}: {error}; {hint}", 1)
+
+
+def _fail(message: object, status: int) -> int:
+    print(f"nofacet: {' '.join(str(message).split())}", file=sys.stderr)
+    return status
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = Parser(prog="nofacet", description="Draws CAD models from their exact surfaces.", allow_abbrev=False)
+    parser.add_argument("--version", action="version", version=f"nofacet {version('nofacet')}")
+    commands: dict[str, tuple[Parser, Callable[[argparse.Namespace], int]]] = {}
+    subparsers = parser.add_subparsers(metavar="COMMAND", dest="command", parser_class=Parser)
+    for name, add_options, run, text in (
+        ("render", add_render_options, _render, "draw a STEP or BREP file into a picture"),
+        ("info", add_info_options, _info, "say what is in a STEP or BREP file"),
+    ):
+        command = subparsers.add_parser(name, help=text, description=f"{text.capitalize()}.", allow_abbrev=False)
+        add_options(command)
+        add_common_options(command)
+        commands[name] = command, run
+
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if not words:
+        words = ["--help"]
+    if not words[0].startswith("-") and words[0] not in commands:
+        meant = did_you_mean(words[0], list(commands)) or f"; the commands are {', '.join(commands)}"
+        parser.error(f"unknown command {words[0]!r}{meant}")
+    options, unknown = parser.parse_known_args(words)
+    if options.command is None:
+        parser.refuse_unknown(unknown)
+        parser.error("a command is missing")
+    chosen, options.run = commands[options.command]
+    chosen.refuse_unknown(unknown)
+    return options
+
+
+def _render(options: argparse.Namespace) -> int:
+    to_stdout = options.output == "-"
+    output = Path("-.png" if to_stdout else options.output)
+    _check_output(options, output, to_stdout)
+    camera = _camera_from_file(options)
+    model = _load(options)
+    with _stage(options, "fit camera"):
+        camera = camera or _fitted_camera(options, model)
+    with _stage(options, "render"):
+        frame = _rendered(options, model, camera, _rendered_buffers(options, output))
+    with _stage(options, "save"):
+        if options.background_color or (output.suffix.lower() == ".png" and not options.no_background):
+            frame = frame.over(options.background_color or WHITE)
+        if to_stdout:
+            _write_png_to_stdout(frame)
+        else:
+            frame.save(output, options.buffers)
+    return 1 if options.strict and model.warnings else 0
+
+
+def _info(options: argparse.Namespace) -> int:
+    model = _load(options, measure=True)
+    print(summary(model, faces=options.faces))
+    return 1 if options.strict and model.warnings else 0
+
+
+def _load(options: argparse.Namespace, measure: bool = False) -> nofacet.Model:
+    """The model, with its warnings said on standard error."""
+    with _stage(options, "read"):
+        model = nofacet.load(options.model, timeout=options.timeout, progress=_say, measure=measure)
+    for warning in model.warnings:
+        _say(f"warning: {warning}")
+    return model
+
+
+def _rendered(options: argparse.Namespace, model: nofacet.Model, camera: Camera, buffers: tuple[str, ...]) -> Frame:
+    try:
+        return nofacet.render(
+            model,
+            camera,
+            resolution=options.resolution,
+            method=options.method,
+            samples=options.samples,
+            threads=options.threads,
+            buffers=buffers,
+            edges=options.edges,
+        )
+    except InputError:
+        raise
+    except ValueError as error:  # an unknown method, or an option it does not take
+        raise UsageError(str(error)) from error
+
+
+def _check_output(options: argparse.Namespace, output: Path, to_stdout: bool) -> None:
+    """Find what would stop the picture from being written before the long work, not after it."""
+    try:
+        extension = check_extension(output)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    if options.no_background and options.background_color:
+        raise UsageError("--background-color and --no-background exclude each other; give one of them")
+    if options.buffers and extension == ".png":
+        raise UsageError("--buffers is for .exr and .npz; a PNG file holds the color only")
+    if options.buffers and options.background_color and "color" not in options.buffers:
+        raise UsageError("--background-color needs the color buffer; add it to --buffers")
+    if to_stdout:
+        if sys.stdout.isatty():
+            raise UsageError(
+                "--output=- writes PNG data, and standard output is a terminal; send it to a file or program"
+            )
+    elif not output.parent.is_dir():
+        raise InputError(f"{output}: the folder {output.parent} does not exist; make it first")
+    elif output.is_dir() or not os.access(output if output.exists() else output.parent, os.W_OK):
+        raise InputError(f"{output}: cannot be written; choose another file")
+
+
+def _rendered_buffers(options: argparse.Namespace, output: Path) -> tuple[str, ...]:
+    """What the renderer has to compute for the file: position comes from depth."""
+    if output.suffix.lower() == ".png":
+        return ("color",)
+    wanted = options.buffers or tuple(BUFFERS)
+    return tuple(dict.fromkeys("depth" if name == "position" else name for name in wanted))
+
+
+CAMERA_OPTIONS = ("direction", "view_up", "zoom_factor", "orthographic", "view_angle")
+
+
+def _camera_from_file(options: argparse.Namespace) -> Camera | None:
+    given = [name for name in CAMERA_OPTIONS if getattr(options, f"camera_{name}") is not None]
+    if options.camera_orthographic and options.camera_view_angle is not None:
+        raise UsageError("--camera-view-angle is for perspective; leave out --camera-orthographic")
+    if options.camera_direction not in (None, *VIEWS):
+        _direction(options.camera_direction)
+    if options.camera is None:
+        return None
+    if given:
+        raise UsageError(f"--camera holds the whole camera; leave out --camera-{given[0].replace('_', '-')}")
+    try:
+        return Camera.load(options.camera)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    except OSError as error:
+        raise UsageError(f"{options.camera}: {error.strerror or error}") from None
+
+
+def _direction(text: str) -> tuple[float, ...]:
+    try:
+        return vector(text)
+    except argparse.ArgumentTypeError as error:
+        meant = did_you_mean(text, list(VIEWS)) or f"; the views are {' '.join(VIEWS)}"
+        raise UsageError(f"--camera-direction: {error}, or a view{meant}") from None
+
+
+def _fitted_camera(options: argparse.Namespace, model: nofacet.Model) -> Camera:
+    wanted: dict[str, Any] = {"resolution": options.resolution}
+    if options.camera_direction in VIEWS:
+        wanted["direction"], wanted["view_up"] = VIEWS[options.camera_direction]
+    elif options.camera_direction:
+        wanted["direction"] = _direction(options.camera_direction)
+    if options.camera_view_up:
+        wanted["view_up"] = options.camera_view_up
+    if options.camera_zoom_factor:
+        wanted["zoom"] = options.camera_zoom_factor
+    if options.camera_view_angle or options.camera_orthographic is False:
+        wanted["projection"] = "perspective"
+        wanted["view_angle"] = options.camera_view_angle or DEFAULT_VIEW_ANGLE
+    try:
+        return Camera.fit(model, **wanted)
+    except InputError:
+        raise
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+
+
+def _write_png_to_stdout(frame: Frame) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "frame.png")
+        frame.save(path)
+        sys.stdout.buffer.write(path.read_bytes())
+
+
+@contextmanager
+def _stage(options: argparse.Namespace, name: str) -> Iterator[None]:
+    """Print how long the stage took, with --verbose."""
+    begin = time.perf_counter()
+    yield
+    if options.verbose:
+        _say(f"{name}: {time.perf_counter() - begin:.3f} s")
+
+
+def _say(message: str) -> None:
+    print(f"nofacet: {message}", file=sys.stderr, flush=True)

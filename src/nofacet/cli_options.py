@@ -1,0 +1,163 @@
+"""The command line's options: what they are called, and what their values may be."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+from collections.abc import Sequence
+from typing import NoReturn
+
+from .camera import DEFAULT_VIEW_ANGLE, DEFAULT_ZOOM, VIEWS
+from .frame import BUFFERS
+
+MAX_SIDE = 32_768  # pixels
+MAX_PIXELS = 2**28  # 4 GiB of colour alone
+
+
+class UsageError(Exception):
+    """Wrong usage; the message is one line."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, and which option or command was probably meant."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message} (see {self.prog} --help)")
+
+    def refuse_unknown(self, unknown: Sequence[str]) -> None:
+        if not unknown:
+            return
+        name = unknown[0].split("=")[0]
+        if not name.startswith("-"):
+            self.error(f"unexpected argument {name!r}")
+        known = [option for action in self._actions for option in action.option_strings]
+        self.error(f"unknown option {name}{did_you_mean(name, known)}")
+
+
+def did_you_mean(word: str, known: Sequence[str]) -> str:
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
+def add_common_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", metavar="MODEL", help="a STEP or BREP file")
+    parser.add_argument(
+        "--timeout", type=_positive, default=300.0, metavar="SECONDS", help="for reading (default: 300)"
+    )
+    parser.add_argument("--strict", action="store_true", help="exit with status 1 if there was a warning")
+    parser.add_argument("--verbose", action="store_true", help="print the time of each stage, and tracebacks")
+
+
+def add_info_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--faces", action="store_true", help="add a line for every face")
+
+
+def add_render_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--output", required=True, metavar="FILE", help="a .png, .exr or .npz file; - writes PNG to standard output")
+    add("--resolution", type=_resolution, default=(1920, 1080), metavar="W,H", help="in pixels (default: 1920,1080)")
+    add("--method", default="bezier_clip_scanline", metavar="NAME", help="default: bezier_clip_scanline")
+    add("--samples", type=_count, default=4, metavar="N", help="scan planes per pixel row (default: 4)")
+    add("--threads", type=_count, metavar="N", help="default: every core")
+    add(
+        "--buffers",
+        type=_buffers,
+        metavar="NAMES",
+        help=f"for .exr and .npz: some of {','.join(BUFFERS)} (default: all)",
+    )
+    add("--edges", action="store_true", help="draw the model's edges as lines")
+    add(
+        "--background-color",
+        type=_color,
+        metavar="R,G,B",
+        help="three numbers from 0 to 1, or #rrggbb (default: white)",
+    )
+    add("--no-background", action="store_true", help="transparent background (always so in .exr and .npz by default)")
+    camera = parser.add_argument_group("camera", "fits the model unless it comes from a file")
+    add = camera.add_argument
+    add("--camera", metavar="FILE", help="a camera file (JSON), or a picture that nofacet made")
+    add(
+        "--camera-direction",
+        metavar="X,Y,Z",
+        help=f"from the eye into the scene, or one of {' '.join(VIEWS)} (default: -1,1,-0.5)",
+    )
+    add("--camera-view-up", type=vector, metavar="X,Y,Z", help="default: 0,0,1")
+    add(
+        "--camera-zoom-factor",
+        type=_positive,
+        metavar="RATIO",
+        help=f"1 fills the picture (default: {DEFAULT_ZOOM:g})",
+    )
+    add("--camera-orthographic", type=_boolean, nargs="?", const=True, metavar="BOOL", help="default: true")
+    add(
+        "--camera-view-angle",
+        type=_positive,
+        metavar="DEGREES",
+        help=f"perspective with this vertical angle (default: {DEFAULT_VIEW_ANGLE:g})",
+    )
+
+
+def _numbers(text: str, count: int, example: str) -> tuple[float, ...]:
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        values = ()
+    if len(values) != count or not all(abs(value) < float("inf") for value in values):
+        raise argparse.ArgumentTypeError(f"{text!r} is not {count} numbers; write for example {example}")
+    return values
+
+
+def vector(text: str) -> tuple[float, ...]:
+    return _numbers(text, 3, "-1,1,-0.5")
+
+
+def _positive(text: str) -> float:
+    (value,) = _numbers(text, 1, "2.5")
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
+    return value
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 up")
+    return int(text)
+
+
+def _resolution(text: str) -> tuple[int, int]:
+    width, height = _numbers(text, 2, "1920,1080")
+    if not (width.is_integer() and height.is_integer() and width >= 1 and height >= 1):
+        raise argparse.ArgumentTypeError(f"{text!r} is not two whole numbers from 1 up; write for example 1920,1080")
+    if max(width, height) > MAX_SIDE or width * height > MAX_PIXELS:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is too large; at most {MAX_SIDE} pixels a side and {MAX_PIXELS // 10**6} million in all"
+        )
+    return int(width), int(height)
+
+
+def _boolean(text: str) -> bool:
+    if text.lower() not in ("true", "false"):
+        raise argparse.ArgumentTypeError(f"{text!r} is neither true nor false")
+    return text.lower() == "true"
+
+
+def _color(text: str) -> tuple[float, ...]:
+    if text.startswith("#"):
+        try:
+            if len(text) == 7:
+                return tuple(byte / 255 for byte in bytes.fromhex(text[1:]))
+        except ValueError:
+            pass
+        raise argparse.ArgumentTypeError(f"{text!r} is not a color; write for example #ffffff")
+    color = _numbers(text, 3, "0.2,0.2,0.2 or #333333")
+    if not all(0 <= value <= 1 for value in color):
+        raise argparse.ArgumentTypeError(f"{text!r} is not three numbers from 0 to 1")
+    return color
+
+
+def _buffers(text: str) -> tuple[str, ...]:
+    names = tuple(text.split(","))
+    for name in names:
+        if name not in BUFFERS:
+            raise argparse.ArgumentTypeError(f"unknown buffer {name!r}{did_you_mean(name, list(BUFFERS))}")
+    return names

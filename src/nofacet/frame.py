@@ -1,0 +1,169 @@
+"""A rendered picture: its buffers, camera and files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import image
+from .camera import METADATA_KEY, Camera
+
+# Buffer -> (dtype, channels, channel names in an EXR file). Arrays are (height, width) or (height, width, channels).
+BUFFERS: dict[str, tuple[type[np.generic], int, tuple[str, ...]]] = {
+    "color": (np.float32, 4, ("R", "G", "B", "A")),
+    "coverage": (np.float32, 1, ("coverage",)),
+    "depth": (np.float64, 1, ("Z",)),
+    "face": (np.int32, 1, ("face",)),
+    "uv": (np.float64, 2, ("U", "V")),
+    "position": (np.float64, 3, ("P.X", "P.Y", "P.Z")),
+    "normal": (np.float32, 3, ("N.X", "N.Y", "N.Z")),
+}
+EXTENSIONS = (".png", ".exr", ".npz")
+SOFTWARE_KEY = "Software"
+
+
+class Frame:
+    """The buffers that a renderer was asked for, and the camera they were seen with.
+
+    Buffers, row 0 at the top; h, w = height and width:
+    color (h, w, 4) float32, linear RGBA, alpha premultiplied, averaged over the pixel.
+    coverage (h, w) float32, the part of the pixel's area that the model covers.
+    depth (h, w) float64, distance from the eye plane, model units; +inf on background.
+    face (h, w) int32, index of the face; -1 on background.
+    uv (h, w, 2) float64, OpenCascade's parameters on that face.
+    position (h, w, 3) float64, world point, from depth and camera; NaN on background.
+    normal (h, w, 3) float32, unit, world, turned towards the eye.
+
+    Asking for a buffer that was not rendered raises AttributeError.
+    """
+
+    def __init__(self, camera: Camera, buffers: Mapping[str, NDArray[Any]]) -> None:
+        """Raises ValueError for an unknown buffer, a wrong shape or dtype, or no buffer at all."""
+        if not buffers:
+            raise ValueError("a frame needs at least one buffer")
+        self.camera = camera
+        self.height, self.width = (int(size) for size in next(iter(buffers.values())).shape[:2])
+        for name, array in buffers.items():
+            dtype, channels, _ = _buffer(name)
+            shape = (self.height, self.width) if channels == 1 else (self.height, self.width, channels)
+            if name == "position":
+                raise ValueError("position is derived from depth and camera; give depth")
+            if array.shape != shape or array.dtype != dtype:
+                raise ValueError(f"buffer {name} is {array.dtype} {array.shape}; it must be {dtype.__name__} {shape}")
+        self._buffers = dict(buffers)
+
+    @property
+    def resolution(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.width, self.height
+
+    @property
+    def buffers(self) -> tuple[str, ...]:
+        """Names of the buffers this frame can give, in the order of the contract above."""
+        return tuple(name for name in BUFFERS if ("depth" if name == "position" else name) in self._buffers)
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name not in BUFFERS:
+            raise AttributeError(f"a frame has no {name!r}; its buffers are {', '.join(self.buffers)}")
+        stored = "depth" if name == "position" else name
+        if stored not in self._buffers:
+            asked = tuple(self._buffers) + (stored,)
+            raise AttributeError(f"{name} was not rendered; ask for it: nofacet.render(..., buffers={asked})")
+        return self.camera.position_from_depth(self._buffers[stored]) if name == "position" else self._buffers[stored]
+
+    def over(self, background: Sequence[float]) -> Frame:
+        """This frame before an opaque background, three sRGB values from 0 to 1. Needs the color buffer."""
+        color = self.color.copy()
+        color[..., :3] += (1 - color[..., 3:]) * _linear_from_srgb(np.asarray(background, np.float32))
+        color[..., 3] = 1
+        return Frame(self.camera, {**self._buffers, "color": color})
+
+    def save(self, path: str | Path, buffers: Sequence[str] | None = None) -> None:
+        """Write the frame to a .png (color, 8-bit sRGB), .exr or .npz file (all buffers, or those named).
+
+        EXR holds 32-bit floats, so depth, uv and position lose digits there; face is exact up to 2 ** 24. The camera
+        and the program's version go along in every format.
+
+        Raises ValueError for another extension or an unknown buffer, AttributeError for a buffer that was not
+        rendered, OSError where the file cannot be written.
+        """
+        path = Path(path)
+        extension = check_extension(path)
+        if not path.parent.is_dir():
+            raise OSError(f"{path}: the folder {path.parent} does not exist; make it first")
+        attributes = {METADATA_KEY: json.dumps(self.camera.to_dict()), SOFTWARE_KEY: f"nofacet {version('nofacet')}"}
+        if extension == ".png":
+            image.write(path, _srgb8_from_premultiplied(self.color), ("R", "G", "B", "A"), attributes)
+            return
+        arrays: dict[str, Any] = {}
+        for name in self.buffers if buffers is None else buffers:
+            _buffer(name)
+            arrays[name] = getattr(self, name)
+        if extension == ".npz":
+            with path.open("wb") as file:
+                np.savez(file, **arrays, **attributes)
+            return
+        pixels = np.dstack([array.astype(np.float32) for array in arrays.values()])
+        image.write(path, pixels, [channel for name in arrays for channel in BUFFERS[name][2]], attributes)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Frame:
+        """Read a frame that `save` wrote as .npz or .exr (there with the digits that 32-bit floats hold).
+
+        Raises ValueError for a file of another kind, OSError where it cannot be read.
+        """
+        path = Path(path)
+        extension = check_extension(path)
+        if extension == ".png":
+            raise ValueError(f"{path}: a PNG file does not hold the buffers; save the frame as .npz or .exr")
+        arrays: dict[str, NDArray[Any]]
+        if extension == ".npz":
+            with np.load(path, allow_pickle=False) as data:
+                arrays = {name: data[name] for name in data.files}
+            camera = str(arrays.get(METADATA_KEY, ""))
+        else:
+            pixels, channels, attributes = image.read(path)
+            camera = attributes.get(METADATA_KEY, "")
+            arrays = {}
+            for name, (dtype, count, names) in BUFFERS.items():
+                if set(names) <= set(channels):
+                    array = pixels[..., [channels.index(channel) for channel in names]].astype(dtype)
+                    arrays[name] = array[..., 0] if count == 1 else array
+        if not camera:
+            raise ValueError(f"{path}: no {METADATA_KEY} in it; only files made by nofacet carry one")
+        stored = {name: array for name, array in arrays.items() if name in BUFFERS and name != "position"}
+        return cls(Camera.from_dict(json.loads(camera)), stored)
+
+
+def check_extension(path: Path) -> str:
+    """The path's extension in lower case. Raises ValueError where no frame can be saved under it."""
+    extension = path.suffix.lower()
+    if extension not in EXTENSIONS:
+        raise ValueError(f"{path}: cannot write {extension or 'a file without extension'}; use .png, .exr or .npz")
+    return extension
+
+
+def _buffer(name: str) -> tuple[type[np.generic], int, tuple[str, ...]]:
+    if name not in BUFFERS:
+        raise ValueError(f"unknown buffer {name!r}; the buffers are {', '.join(BUFFERS)}")
+    return BUFFERS[name]
+
+
+def _srgb8_from_premultiplied(color: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """8-bit sRGB with straight alpha from linear RGBA with premultiplied alpha, both (h, w, 4)."""
+    alpha = np.clip(color[..., 3:], 0, 1)
+    straight = np.clip(color[..., :3] / np.where(alpha > 0, alpha, 1), 0, 1)
+    srgb = np.where(straight <= 0.0031308, 12.92 * straight, 1.055 * straight ** (1 / 2.4) - 0.055)
+    return np.rint(255 * np.concatenate([srgb, alpha], axis=2)).astype(np.uint8)
+
+
+def _linear_from_srgb(srgb: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4).astype(np.float32)

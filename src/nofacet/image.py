@@ -1,0 +1,72 @@
+"""Reading and writing image files, through OpenImageIO."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio
+from numpy.typing import NDArray
+
+
+def write(
+    path: str | Path,
+    pixels: NDArray[Any],
+    channels: Sequence[str],
+    attributes: Mapping[str, str],
+) -> None:
+    """Write pixels (height, width, channels) to `path`, the format by its extension, row 0 at the top.
+
+    uint8 pixels are written as sRGB with unassociated alpha, float32 ones as linear values just as they are.
+    Raises OSError where the file cannot be written.
+    """
+    height, width, count = pixels.shape
+    spec = oiio.ImageSpec(width, height, count, "uint8" if pixels.dtype == np.uint8 else "float")
+    spec.channelnames = tuple(channels)
+    if pixels.dtype == np.uint8:
+        spec.attribute("oiio:UnassociatedAlpha", 1)
+        spec.attribute("oiio:ColorSpace", "sRGB")
+    for name, value in attributes.items():
+        spec.attribute(name, value)
+    output = oiio.ImageOutput.create(str(path))
+    if output is None:
+        raise OSError(f"{path}: {oiio.geterror()}")
+    written = output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels))
+    error = output.geterror()
+    if not (output.close() and written):
+        raise OSError(f"{path}: {error or output.geterror()}")
+
+
+def read(path: str | Path) -> tuple[NDArray[np.float32], list[str], dict[str, Any]]:
+    """Pixels (height, width, channels) as they are stored, channel names and attributes of an image file.
+
+    Raises OSError where it cannot be read.
+    """
+    source = _open(path)
+    try:
+        pixels = source.read_image("float")
+        if pixels is None:
+            raise OSError(f"{path}: {source.geterror()}")
+        spec = source.spec()
+        return pixels, list(spec.channelnames), {item.name: item.value for item in spec.extra_attribs}
+    finally:
+        source.close()
+
+
+def read_attribute(path: str | Path, name: str) -> str | None:
+    """A text attribute from an image file's metadata, None without it. Raises OSError where it cannot be read."""
+    source = _open(path)
+    value = source.spec().getattribute(name)
+    source.close()
+    return value if isinstance(value, str) else None
+
+
+def _open(path: str | Path) -> oiio.ImageInput:
+    as_stored = oiio.ImageSpec()
+    as_stored.attribute("oiio:UnassociatedAlpha", 1)
+    source = oiio.ImageInput.open(str(path), as_stored)
+    if source is None:
+        raise OSError(f"{path}: {oiio.geterror()}")
+    return source
