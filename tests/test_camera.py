@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import model_of, rectangle_group, sphere_group
 from hypothesis import given
 from hypothesis import strategies as st
 
+from conftest import model_of, rectangle_group, sphere_group
 from nofacet.camera import VIEWS, Camera
 from nofacet.errors import InputError
 from nofacet.extent import bounding_box, surface_points
@@ -173,7 +173,7 @@ def test_fit_of_flat_models() -> None:
     flat = model_of([rectangle_group(corners)])
     for projection in ("orthographic", "perspective"):
         for direction in ((0, 1, 0), (0, 0, -1), (1, 1, -1)):
-            camera = Camera.fit(flat, direction, projection)  # type: ignore[arg-type]
+            camera = Camera.fit(flat, direction, projection)
             assert np.isfinite(camera.pixel_from_world((64, 48))).all()
     point = model_of([rectangle_group(np.ones((2, 2, 3)))])
     assert Camera.fit(point).view_height is not None

@@ -43,7 +43,9 @@ class Frame:
     Asking for a buffer that was not rendered raises AttributeError.
     """
 
-    def __init__(self, camera: Camera, buffers: Mapping[str, NDArray[Any]]) -> None:
+    def __init__(
+        self, camera: Camera, buffers: Mapping[str, NDArray[Any]], stats: Mapping[str, Any] | None = None
+    ) -> None:
         """Raises ValueError for an unknown buffer, a wrong shape or dtype, or no buffer at all."""
         if not buffers:
             raise ValueError("a frame needs at least one buffer")
@@ -57,6 +59,7 @@ class Frame:
             if array.shape != shape or array.dtype != dtype:
                 raise ValueError(f"buffer {name} is {array.dtype} {array.shape}; it must be {dtype.__name__} {shape}")
         self._buffers = dict(buffers)
+        self.stats = dict(stats or {})
 
     @property
     def resolution(self) -> tuple[int, int]:
@@ -99,7 +102,7 @@ class Frame:
         extension = check_extension(path)
         if not path.parent.is_dir():
             raise OSError(f"{path}: the folder {path.parent} does not exist; make it first")
-        attributes = {METADATA_KEY: json.dumps(self.camera.to_dict()), SOFTWARE_KEY: f"nofacet {version('nofacet')}"}
+        attributes: dict[str, Any] = {METADATA_KEY: json.dumps(self.camera.to_dict()), SOFTWARE_KEY: f"nofacet {version('nofacet')}"}
         if extension == ".png":
             image.write(path, _srgb8_from_premultiplied(self.color), ("R", "G", "B", "A"), attributes)
             return
