@@ -50,12 +50,12 @@ def spans(
     left, right = flat[inside], flat[inside + 1]
     sliver = SLIVER * (high - low)
     wanted = inside[(right - left > sliver) & (right > low + sliver) & (left < high - sliver)]
+    cuts = np.append(low, np.append(flat[wanted[1:]], high))
     if len(wanted) == 0:  # the interval lies outside the domain, or between two knots a sliver apart
         filled = inside[right > left]
         wanted = filled[-1:] if low >= flat[filled[-1]] else filled[:1]
-    cuts = np.append(flat[wanted], high)
-    middle = 0.5 * (flat[wanted[[0, -1]]] + flat[wanted[[0, -1]] + 1])
-    cuts[0], cuts[-1] = min(low, middle[0]), max(high, middle[1])
+        middle = 0.5 * float(flat[wanted[0]] + flat[wanted[0] + 1])
+        cuts = np.array([min(low, middle), max(high, middle)])  # blossoming needs one end inside the span
     around = np.arange(1 - degree, degree + 1)
     poles = wanted[:, None] + np.arange(-degree, 1) + first_pole
     return Spans(flat[wanted[:, None] + around], poles % pole_count, cuts)
