@@ -28,6 +28,7 @@ class Stand:
         self.model = model
         self.loaded: dict[str, Any] = {}
         self.rendered: dict[str, Any] = {}
+        self.stats: dict[str, Any] = {"scan_seconds": 0.25, "pieces": 17, "unresolved_faces": []}
 
     def load(self, source: str, **options: Any) -> Model:
         self.loaded = {"source": source, **options}
@@ -35,14 +36,14 @@ class Stand:
 
     def render(self, model: Model, camera: Camera, **options: Any) -> Frame:
         self.rendered = {"camera": camera, **options}
-        if options["method"] == "nonsense":
-            raise ValueError("unknown method 'nonsense'")
+        if options["samples"] > 256:
+            raise ValueError("samples 257: give 1 to 256 scan planes a pixel row")
         width, height = options["resolution"]
         buffers = {
             name: np.zeros((height, width) + ((BUFFERS[name][1],) if BUFFERS[name][1] > 1 else ()), BUFFERS[name][0])
             for name in options["buffers"]
         }
-        return Frame(camera, buffers)
+        return Frame(camera, buffers, self.stats)
 
 
 @pytest.fixture
@@ -172,7 +173,8 @@ def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments
         (["--camera=list.json"], "list.json: camera: this is not a JSON object"),
         (["--camera=plain.png"], "only pictures made by nofacet"),
         (["--camera=list.json", "--camera-direction=top"], "leave out --camera-direction"),
-        (["--method=nonsense"], "unknown method 'nonsense'"),
+        (["--method=bezier_clip_scan"], "did you mean bezier_clip_scanline?"),
+        (["--samples=257"], "give 1 to 256"),
         (["--output=part.jpg"], "use .png, .exr or .npz"),
         (["--output=part"], "use .png, .exr or .npz"),
         (["--buffers=depth"], "is for .exr and .npz"),
@@ -228,14 +230,18 @@ def test_warnings_fail_only_with_strict(stand: Stand, capsys: pytest.CaptureFixt
     assert Path("part.png").exists()
 
 
+def test_faces_that_could_not_be_drawn_are_named(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:
+    stand.stats["unresolved_faces"] = [12]
+    assert run("--output=part.png") == 0
+    assert "warning: face 12 is not drawn completely" in only_line(capsys)
+    assert run("--output=part.png", "--strict") == 1
+
+
 def test_verbose_prints_stage_times(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("--output=part.png", "--verbose") == 0
-    assert [line.split(":")[1] for line in capsys.readouterr().err.splitlines()] == [
-        " read",
-        " fit camera",
-        " render",
-        " save",
-    ]
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(":")[1].strip() for line in lines] == ["read", "fit camera", "render", "scan", "pieces", "save"]
+    assert "nofacet:   scan: 0.250 s" in lines and "nofacet:   pieces: 17" in lines
 
 
 def test_info(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:

@@ -98,7 +98,7 @@ class Camera:
         eye_from_world = np.eye(4)
         eye_from_world[:3, :3] = right, up, forward
         eye_from_world[:3, 3] = -eye_from_world[:3, :3] @ eye
-        scale = height / self._extent_at_unit_depth()
+        scale = height / self.extent_at_unit_depth()
         if self.projection == "orthographic":
             pixel_from_eye = np.diag([scale, -scale, 1.0, 1.0])
             pixel_from_eye[:2, 3] = width / 2, height / 2
@@ -116,7 +116,7 @@ class Camera:
         """
         width, height = resolution
         right, up, forward = self.axes()
-        extent = self._extent_at_unit_depth()
+        extent = self.extent_at_unit_depth()
         x = extent * (np.arange(width) + 0.5 - width / 2) / height
         y = extent * (height / 2 - np.arange(height) - 0.5) / height
         offset = x[None, :, None] * right + y[:, None, None] * up
@@ -212,7 +212,7 @@ class Camera:
             return _fit_orthographic(points, forward, up, aspect, zoom)
         return _fit_perspective(points, forward, up, aspect, _number("view_angle", view_angle), zoom)
 
-    def _extent_at_unit_depth(self) -> float:
+    def extent_at_unit_depth(self) -> float:
         """Height of the picture in the world: anywhere (orthographic), or at depth 1 (perspective)."""
         if self.projection == "orthographic":
             assert self.view_height is not None

@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -108,6 +108,11 @@ def _render(options: argparse.Namespace) -> int:
         camera = camera or _fitted_camera(options, model)
     with _stage(options, "render"):
         frame = _rendered(options, model, camera, _rendered_buffers(options, output))
+    incomplete = frame.stats.get("unresolved_faces", ())
+    for face in incomplete:
+        _say(f"warning: face {face} is not drawn completely: part of it could not be computed reliably")
+    if options.verbose:
+        _say_stats(frame.stats)
     with _stage(options, "save"):
         if options.background_color or (output.suffix.lower() == ".png" and not options.no_background):
             frame = frame.over(options.background_color or WHITE)
@@ -115,7 +120,17 @@ def _render(options: argparse.Namespace) -> int:
             _write_png_to_stdout(frame)
         else:
             frame.save(output, options.buffers)
-    return 1 if options.strict and model.warnings else 0
+    return 1 if options.strict and (model.warnings or incomplete) else 0
+
+
+def _say_stats(stats: Mapping[str, Any]) -> None:
+    """The renderer's own stages and counts."""
+    for name, value in stats.items():
+        stage = name.removesuffix("_seconds")
+        if stage != name:
+            _say(f"  {stage}: {value:.3f} s")
+        elif isinstance(value, int):
+            _say(f"  {stage}: {value}")
 
 
 def _info(options: argparse.Namespace) -> int:
@@ -147,7 +162,7 @@ def _rendered(options: argparse.Namespace, model: nofacet.Model, camera: Camera,
         )
     except InputError:
         raise
-    except ValueError as error:  # an unknown method, or an option it does not take
+    except ValueError as error:  # more samples or threads than it takes
         raise UsageError(str(error)) from error
 
 

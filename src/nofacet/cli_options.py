@@ -9,9 +9,9 @@ from typing import NoReturn
 
 from .camera import DEFAULT_VIEW_ANGLE, DEFAULT_ZOOM, VIEWS
 from .frame import BUFFERS
+from .render import DEFAULT_METHOD, MAX_PIXELS, methods
 
 MAX_SIDE = 32_768  # pixels
-MAX_PIXELS = 2**28  # 4 GiB of colour alone
 
 
 class UsageError(Exception):
@@ -56,7 +56,14 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--output", required=True, metavar="FILE", help="a .png, .exr or .npz file; - writes PNG to standard output")
     add("--resolution", type=_resolution, default=(1920, 1080), metavar="W,H", help="in pixels (default: 1920,1080)")
-    add("--method", default="bezier_clip_scanline", metavar="NAME", help="default: bezier_clip_scanline")
+    names = ", ".join(methods())
+    add(
+        "--method",
+        type=_method,
+        default=DEFAULT_METHOD,
+        metavar="NAME",
+        help=f"one of {names} (default: {DEFAULT_METHOD})",
+    )
     add("--samples", type=_count, default=4, metavar="N", help="scan planes per pixel row (default: 4)")
     add("--threads", type=_count, metavar="N", help="default: every core")
     add(
@@ -133,6 +140,13 @@ def _resolution(text: str) -> tuple[int, int]:
             f"{text!r} is too large; at most {MAX_SIDE} pixels a side and {MAX_PIXELS // 10**6} million in all"
         )
     return int(width), int(height)
+
+
+def _method(text: str) -> str:
+    if text not in methods():
+        meant = did_you_mean(text, methods()) or f"; the methods are {', '.join(methods())}"
+        raise argparse.ArgumentTypeError(f"unknown method {text!r}{meant}")
+    return text
 
 
 def _boolean(text: str) -> bool:

@@ -1,0 +1,9 @@
+from typing import Any
+
+from .model import Model
+
+def method_names() -> list[str]: ...
+
+class Scene:
+    def __init__(self, model: Model) -> None: ...
+    def render(self, **request: Any) -> dict[str, Any]: ...
