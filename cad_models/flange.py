@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cadquery as cq
+
 from _shapes import FOLDER, write_step
 
 DISC_RADIUS, DISC_HEIGHT = 60.0, 12.0

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import cadquery as cq
 import numpy as np
-from _shapes import FOLDER, bezier_surface, compound, face, write_step
 from numpy.typing import NDArray
+
+from _shapes import FOLDER, bezier_surface, compound, face, write_step
 
 # Cubic quarter circles: the inner control points stand at this fraction of the radius.
 ROUND = 0.56
