@@ -60,17 +60,21 @@ class FaceIndex:
 
 @dataclass
 class Appearance:
-    """Colours (F, 4) float32 linear RGBA, names (F) and the assembly tree of F faces; starts without any."""
+    """Colours (F, 4) float32 linear RGBA, names (F) and the assembly tree of F faces.
+
+    hidden: (F,) bool, True where the source marks the face as hidden.
+    """
 
     face_color: NDArray[np.float32]
     face_name: list[str]
+    hidden: NDArray[np.bool_]
     tree: list[Node] = field(default_factory=list)
 
     @classmethod
     def plain(cls, face_count: int) -> Appearance:
         """Default colour, no names, no tree."""
         color = np.tile(np.array(DEFAULT_COLOR, dtype=np.float32), (face_count, 1))
-        return cls(face_color=color, face_name=[""] * face_count)
+        return cls(face_color=color, face_name=[""] * face_count, hidden=np.zeros(face_count, np.bool_))
 
     def paint(self, faces: NDArray[np.int32], color: Quantity_ColorRGBA) -> None:
         """Give faces a colour."""
@@ -104,13 +108,15 @@ def _paint_styles(styles: XCAFPrs_IndexedDataMapOfShapeStyle, index: FaceIndex, 
     """Paint the styled shapes, the enclosing ones first, so that a face beats its solid and a solid its assembly.
 
     An instance and the part it places are one located shape, whose entry already holds the instance's colour, if it
-    has one. Curve colours (wires, dimensions) do not paint surfaces.
+    has one. Curve colours (wires, dimensions) do not paint surfaces. What lies in something hidden is hidden.
     """
     painted = []
     for i in range(1, styles.Size() + 1):
         shape, style = styles.FindKey(i), styles.FindFromIndex(i)
+        faces = index.faces_of(shape)
+        if not style.IsVisible():
+            appearance.hidden[faces] = True
         if style.IsSetColorSurf():
-            faces = index.faces_of(shape)
             # TopAbs_ShapeEnum runs from compounds to vertices; of nested compounds the larger comes first, of equally
             # large ones the one that was collected last, since inner labels are collected before outer ones
             painted.append((shape.ShapeType().value, -len(faces), -i, faces, style.GetColorSurfRGBA()))

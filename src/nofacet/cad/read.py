@@ -46,6 +46,7 @@ def read_file(path: str, enter_stage: Callable[[str], None] = lambda stage: None
     Raises InputError if nothing can be drawn; faces that are lost on the way are named in the warnings.
     """
     format_ = file_format(path)
+    enter_stage("reading the file")
     try:
         return _read_step(path, enter_stage) if format_ == "step" else _read_brep(path, format_ == "binary brep")
     except (Standard_Failure, RuntimeError) as error:
@@ -70,7 +71,6 @@ def _read_brep(path: str, binary: bool) -> CadFile:
 
 
 def _read_step(path: str, enter_stage: Callable[[str], None]) -> CadFile:
-    enter_stage("reading the file")
     with open(path, "rb") as file:
         text = scan_step_text(file.read())
     reader = _step_reader(text)
@@ -89,14 +89,24 @@ def _read_step(path: str, enter_stage: Callable[[str], None]) -> CadFile:
     index = FaceIndex(shape)
     if not len(index):
         raise InputError(_nothing_delivered(path, text))
+    appearance = document_appearance(document, index)
+    return CadFile(shape, appearance, _step_warnings(os.path.basename(path), text, index, appearance))
+
+
+def _step_warnings(name: str, text: StepText, index: FaceIndex, appearance: Appearance) -> list[str]:
     warnings = []
-    missing = text.declared_faces - index.distinct()
+    delivered = index.distinct()
+    missing = text.declared_faces - delivered
     if missing > 0:
         warnings.append(
-            f"{os.path.basename(path)}: the file declares {text.declared_faces} faces, OpenCascade delivered "
-            f"{index.distinct()}; {missing} {'is' if missing == 1 else 'are'} missing from what is drawn"
+            f"{name}: the file declares {text.declared_faces} faces, OpenCascade delivered {delivered}; "
+            f"{missing} {'is' if missing == 1 else 'are'} missing from what is drawn"
         )
-    return CadFile(shape, document_appearance(document, index), warnings)
+    hidden = int(appearance.hidden.sum())
+    if hidden:
+        these = "face is" if hidden == 1 else "faces are"
+        warnings.append(f"{name}: {hidden} {these} marked hidden in the file and drawn all the same")
+    return warnings
 
 
 def _step_reader(text: StepText) -> STEPCAFControl_Reader:
