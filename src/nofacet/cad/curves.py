@@ -52,6 +52,8 @@ def pieces(curve: Curve, first: float, last: float) -> tuple[list[Piece], list[f
         from .offset import offset_pieces
 
         return offset_pieces(curve, first, last)
+    if curve.degree == 1 and curve.knots is not None and len(curve.knots) == 2 and not curve.rational:
+        return [_straight(curve, first, last)], [first, last]
     points, spans = spline_pieces(curve, first, last)
     return [list(map(tuple, piece)) for piece in points.tolist()], spans.tolist()
 
@@ -81,6 +83,15 @@ def _polynomial(curve: Curve, s: float, t: float) -> Piece:
     ]
 
 
+def _straight(curve: Curve, s: float, t: float) -> Piece:
+    """A polynomial B-spline of degree 1 with one span: many files write lines so."""
+    assert curve.poles is not None and curve.knots is not None
+    ends = curve.poles.tolist()
+    k0, k1 = curve.knots.tolist()
+    parts = ((s - k0) / (k1 - k0), (t - k0) / (k1 - k0))
+    return [tuple([(1 - r) * a + r * b for a, b in zip(*ends, strict=True)]) for r in parts]
+
+
 def _arc(curve: Curve, s: float, t: float, c: object, d: object) -> Piece:
     """One arc of origin + c(t) a + d(t) b, (c, d) = (cos, sin) or (cosh, sinh), as a rational quadratic."""
     assert callable(c) and callable(d)
@@ -94,23 +105,23 @@ def _arc(curve: Curve, s: float, t: float, c: object, d: object) -> Piece:
     return [ends[0], tuple([weight * o + cm * a + dm * b for o, a, b in frame] + [weight]), ends[1]]
 
 
-def transformed(curve: Curve, matrix: Array) -> Curve:
-    """The curve's image under an affine map, exact for every kind but offset curves.
+def projected(curve: Curve, rows: list[list[float]]) -> Curve:
+    """A 3-D curve's image in 2-D under an affine map, exact for every kind.
 
-    matrix: (rows, dim + 1) applied to (x, y[, z], 1); fewer rows than dim project, so a 3-D curve becomes its
-    projection into a plane.
+    rows: two rows of four numbers, applied to (x, y, z, 1).
     """
-    if curve.kind in ("line", "circle", "ellipse", "parabola", "hyperbola"):
-        rows = matrix.tolist()
+    if curve.kind == "offset":
+        raise ValueError("an edge is an offset curve and has no curve in the plane's parameters")
+    if curve.poles is None:
+        x, y, z = curve.origin
         return Curve(
             curve.kind,
-            tuple(sum(m * x for m, x in zip(row, curve.origin, strict=False)) + row[-1] for row in rows),
-            tuple(sum(m * x for m, x in zip(row, curve.a, strict=False)) for row in rows),
-            tuple(sum(m * x for m, x in zip(row, curve.b, strict=False)) for row in rows),
+            tuple([p * x + q * y + r * z + s for p, q, r, s in rows]),
+            tuple([p * curve.a[0] + q * curve.a[1] + r * curve.a[2] for p, q, r, _ in rows]) if curve.a else (),
+            tuple([p * curve.b[0] + q * curve.b[1] + r * curve.b[2] for p, q, r, _ in rows]),
         )
-    assert curve.poles is not None
-    poles = np.empty((len(curve.poles), len(matrix) + 1))
-    poles[:, :-1] = curve.poles @ matrix.T
+    poles = np.empty((len(curve.poles), 3))
+    poles[:, :-1] = curve.poles @ np.array(rows).T
     poles[:, -1] = curve.poles[:, -1]
     return Curve(
         curve.kind,

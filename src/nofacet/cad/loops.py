@@ -8,6 +8,7 @@ next use is the one that starts nearest, and what gap remains is closed by a str
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -79,9 +80,8 @@ def chain(uses: list[Use], space: ParameterSpace) -> list[Loop]:
 
 
 def _extent(uses: list[Use]) -> tuple[float, float]:
-    ends = [points[k] for use in uses for points, _ in use for k in (0, -1)]
-    width = max(p[0] for p in ends) - min(p[0] for p in ends)
-    height = max(p[1] for p in ends) - min(p[1] for p in ends)
+    us, vs, _ = zip(*[points[k] for use in uses for points, _ in use for k in (0, -1)], strict=True)
+    width, height = max(us) - min(us), max(vs) - min(vs)
     largest = max(width, height) or 1.0
     return width or largest, height or largest
 
@@ -93,21 +93,17 @@ def _nearest(
 
     The stored neighbours of use `hint` are asked first: mostly one of them fits exactly.
     """
-    best, best_gap = 0, float("inf")
-    for place in _places_around(rest, hint):
+
+    def gap_at(place: int) -> float:
         start = uses[rest[place]][0][0][0]
-        gap = hypot((start[0] - end[0]) / width, (start[1] - end[1]) / height)
-        if gap < best_gap:
-            best, best_gap = place, gap
-            if gap <= SNAP:
-                break
-    return best, best_gap
+        return hypot((start[0] - end[0]) / width, (start[1] - end[1]) / height)
 
-
-def _places_around(rest: list[int], hint: int) -> list[int]:
-    """All places of `rest`, that of the use after `hint` first, then that before, then the others."""
-    after = next((k for k, use in enumerate(rest) if use > hint), 0)
-    return [after, after - 1, *range(len(rest))] if after else [after, len(rest) - 1, *range(len(rest))]
+    after = bisect(rest, hint) % len(rest)
+    for place in (after, after - 1):
+        gap = gap_at(place)
+        if gap <= SNAP:
+            return place, gap
+    return min(((place, gap_at(place)) for place in range(len(rest))), key=lambda pair: pair[1])
 
 
 def _nearest_shifted(
@@ -240,9 +236,8 @@ def _joined(first: Loop, second: Loop, space: ParameterSpace) -> Loop:
 
 def bounding_box(loops: list[Loop]) -> Box:
     """u0, u1, v0, v1 of all loops: exact for straight segments, at most 1/200 of a segment's own hull too wide else."""
-    ends = [points[k] for loop in loops for points, _ in loop for k in (0, -1)]
-    u0, u1 = min(p[0] for p in ends), max(p[0] for p in ends)
-    v0, v1 = min(p[1] for p in ends), max(p[1] for p in ends)
+    us, vs, _ = zip(*[points[k] for loop in loops for points, _ in loop for k in (0, -1)], strict=True)
+    u0, u1, v0, v1 = min(us), max(us), min(vs), max(vs)
     bulging: dict[int, list[list[Vector]]] = {}
     for loop in loops:
         for points, _ in loop:
@@ -278,14 +273,13 @@ def is_rectangle(loops: list[Loop], box: Box) -> bool:
     du, dv = RECTANGLE * (u1 - u0), RECTANGLE * (v1 - v0)
     area = 0.0
     for points, _ in loops[0]:
-        if not (
-            all(abs(u - u0 * w) <= du for u, _, w in points)
-            or all(abs(u - u1 * w) <= du for u, _, w in points)
-            or all(abs(v - v0 * w) <= dv for _, v, w in points)
-            or all(abs(v - v1 * w) <= dv for _, v, w in points)
-        ):
-            return False
         first, last = points[0], points[-1]
+        for axis, side, tolerance in ((0, u0, du), (0, u1, du), (1, v0, dv), (1, v1, dv)):
+            if abs(first[axis] - side) <= tolerance and abs(last[axis] - side) <= tolerance:
+                if all(abs(p[axis] - side * p[2]) <= tolerance for p in points[1:-1]):
+                    break
+        else:
+            return False
         area += (first[0] - u0) * (last[1] - v0) - (last[0] - u0) * (first[1] - v0)
     whole = (u1 - u0) * (v1 - v0)
     return abs(abs(0.5 * area) - whole) <= 1e-6 * whole

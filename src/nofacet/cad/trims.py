@@ -12,7 +12,7 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from .curves import pieces, spline_pieces, transformed
+from .curves import pieces, projected, spline_pieces
 from .loops import (
     Box,
     Loop,
@@ -168,14 +168,11 @@ class Trimmer:
         """The 3-D curve in the plane's (u, v): inverse frame, after the edge's placement relative to the face."""
         assert edge.curve is not None
         index, curve_location, first, last = edge.curve
-        frame = np.array((surface.x, surface.y))
-        matrix = np.empty((2, 4))
-        matrix[:, :3] = frame
-        matrix[:, 3] = -frame @ np.array(surface.origin)
+        rows = [[*axis, -sum(a * o for a, o in zip(axis, surface.origin, strict=True))] for axis in (surface.x, surface.y)]
         if location or curve_location or face.location:
             placed = matrix_of(self.stream, multiply(location, self.stream.locations[curve_location]))
-            matrix = matrix @ (np.linalg.inv(self.stream.matrices[face.location]) @ placed)
-        return transformed(self.stream.curves[index], matrix), first, last
+            rows = (np.array(rows) @ np.linalg.inv(self.stream.matrices[face.location]) @ placed).tolist()
+        return projected(self.stream.curves[index], rows), first, last
 
 
 def matrix_of(stream: Stream, location: Location) -> NDArray[np.float64]:
