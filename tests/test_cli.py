@@ -6,6 +6,7 @@ import io
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -242,6 +243,23 @@ def test_verbose_prints_stage_times(stand: Stand, capsys: pytest.CaptureFixture[
     lines = capsys.readouterr().err.splitlines()
     assert [line.split(":")[1].strip() for line in lines] == ["read", "fit camera", "render", "scan", "pieces", "save"]
     assert "nofacet:   scan: 0.250 s" in lines and "nofacet:   pieces: 17" in lines
+
+
+def test_progress_is_one_line_on_a_terminal_and_few_elsewhere(
+    stand: Stand, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def load(source: str, progress: Callable[[str], None], **options: Any) -> Model:
+        for second in range(1, 11):
+            progress(f"{source}: {second} s")
+        return stand.model
+
+    monkeypatch.setattr(nofacet, "load", load)
+    assert run("--output=part.png") == 0
+    assert capsys.readouterr().err.splitlines() == [f"nofacet: part.step: {second} s" for second in (1, 2, 4, 8)]
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert run("--output=part.png") == 0
+    text = capsys.readouterr().err
+    assert "\n" not in text and text.endswith("\r\x1b[K")
 
 
 def test_info(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:

@@ -35,6 +35,7 @@ from .summary import summary
 
 WHITE = (1.0, 1.0, 1.0)
 INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
+CLEAR_LINE = "\r\x1b[K"
 BROKEN_PIPE = 141  # the same for one whose reader went away
 
 
@@ -141,8 +142,8 @@ def _info(options: argparse.Namespace) -> int:
 
 def _load(options: argparse.Namespace, measure: bool = False) -> nofacet.Model:
     """The model, with its warnings said on standard error."""
-    with _stage(options, "read"):
-        model = nofacet.load(options.model, timeout=options.timeout, progress=_say, measure=measure)
+    with _stage(options, "read"), _progress() as progress:
+        model = nofacet.load(options.model, timeout=options.timeout, progress=progress, measure=measure)
     for warning in model.warnings:
         _say(f"warning: {warning}")
     return model
@@ -261,6 +262,26 @@ def _stage(options: argparse.Namespace, name: str) -> Iterator[None]:
     yield
     if options.verbose:
         _say(f"{name}: {time.perf_counter() - begin:.3f} s")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """What load() calls once a second: on a terminal one line that is overwritten, elsewhere lines after 1, 2, 4, 8... s."""
+    calls = 0
+
+    def show(message: str) -> None:
+        nonlocal calls
+        calls += 1
+        if sys.stderr.isatty():
+            print(f"{CLEAR_LINE}nofacet: {message}", end="", file=sys.stderr, flush=True)
+        elif calls & (calls - 1) == 0:
+            _say(message)
+
+    try:
+        yield show
+    finally:
+        if calls and sys.stderr.isatty():
+            print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
 
 
 def _say(message: str) -> None:
