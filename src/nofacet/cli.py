@@ -35,8 +35,8 @@ from .summary import summary
 
 WHITE = (1.0, 1.0, 1.0)
 INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
-CLEAR_LINE = "\r\x1b[K"
 BROKEN_PIPE = 141  # the same for one whose reader went away
+CLEAR_LINE = "\r\x1b[K"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -266,7 +266,7 @@ def _stage(options: argparse.Namespace, name: str) -> Iterator[None]:
 
 @contextmanager
 def _progress() -> Iterator[Callable[[str], None]]:
-    """What load() calls once a second: on a terminal one line that is overwritten, elsewhere lines after 1, 2, 4, 8... s."""
+    """For load() to call once a second: one line on a terminal, overwritten; elsewhere a line after 1, 2, 4, 8... s."""
     calls = 0
 
     def show(message: str) -> None:
