@@ -18,7 +18,7 @@ from .model import Model, PatchGroup
 Points = NDArray[np.float64]
 
 GRID = 5  # samples along a curved side of a patch: a quarter circle bulges 2 % of its radius between two of them
-COARSE_GRID = 3  # the same for groups of many patches, which are small parts of their faces
+COARSE_GRID = 2  # the same for groups of many patches, which are small parts of their faces: their corners
 MANY_PATCHES = 10_000
 LOOP_SAMPLES = 4  # samples on a curved trim segment, its start included
 MANY_PAIRS = 4_000_000  # (loop corner, patch) pairs of one face, or (point, loop edge) pairs tested in one array
