@@ -10,12 +10,13 @@ from pathlib import Path
 import cadquery as cq
 import numpy as np
 from numpy.typing import ArrayLike
-from OCP.BRep import BRep_Tool
+from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
 from OCP.Geom import Geom_BezierSurface, Geom_BSplineSurface, Geom_Surface
 from OCP.gp import gp_Pnt
 from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+from OCP.TopoDS import TopoDS_Shell
 
 FOLDER = Path(__file__).parent
 TIME_STAMP = "2024-01-01T00:00:00"
@@ -126,3 +127,23 @@ def face(surface: Geom_Surface) -> cq.Face:
 def compound(shapes: Iterable[cq.Shape]) -> cq.Compound:
     """The shapes side by side: nothing is sewn or fused, so no geometry changes."""
     return cq.Compound.makeCompound(list(shapes))
+
+
+def solid(closed: cq.Face) -> cq.Solid:
+    """The body inside one closed face."""
+    shell, builder = TopoDS_Shell(), BRep_Builder()
+    builder.MakeShell(shell)
+    builder.Add(shell, closed.wrapped)
+    shell.Closed(True)
+    return cq.Solid.makeSolid(cq.Shell(shell))
+
+
+def hull(sections: ArrayLike, first: ArrayLike, last: ArrayLike) -> cq.Solid:
+    """A smooth body on control rings of shape (m, n, 3), closing at the points `first` and `last`; u runs around.
+
+    The rings next to the ends must lie in the planes of the end points, or the body has corners there.
+    """
+    rings = np.asarray(sections, dtype=float)
+    ends = [np.broadcast_to(np.asarray(end, dtype=float), rings[:1].shape) for end in (first, last)]
+    net = np.concatenate([ends[0], rings, ends[1]]).swapaxes(0, 1)
+    return solid(face(bspline_surface(net, closed=(True, False))))
