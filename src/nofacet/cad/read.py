@@ -6,7 +6,8 @@ May hang, print or crash the process on damaged files, as OpenCascade does: call
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from OCP.BinTools import BinTools
@@ -24,6 +25,8 @@ from OCP.XCAFDoc import XCAFDoc_ShapeTool
 from nofacet.cad.appearance import Appearance, FaceIndex, document_appearance
 from nofacet.cad.formats import StepText, file_format, scan_step_text
 from nofacet.errors import InputError
+
+_DAMAGED = "the file is probably damaged, export it again"
 
 
 @dataclass(frozen=True)
@@ -50,13 +53,9 @@ def read_file(path: str, enter_stage: Callable[[str], None] = lambda stage: None
     try:
         return _read_step(path, enter_stage) if format_ == "step" else _read_brep(path, format_ == "binary brep")
     except (Standard_Failure, RuntimeError) as error:
-        detail = " ".join(str(error).split())
-        raise InputError(
-            f"{path}: OpenCascade cannot read it ({detail or type(error).__name__}); {_DAMAGED}"
-        ) from error
-
-
-_DAMAGED = "the file is probably damaged, export it again"
+        detail = re.sub(r".*\b0x[0-9a-f]+ : ", "", " ".join(str(error).split()))  # without the place in the program
+        reason = detail or type(error).__name__
+        raise InputError(f"{path}: OpenCascade cannot read it ({reason}); {_DAMAGED}") from error
 
 
 def _read_brep(path: str, binary: bool) -> CadFile:
@@ -79,34 +78,49 @@ def _read_step(path: str, enter_stage: Callable[[str], None]) -> CadFile:
         if not text.complete:
             raise InputError(f"{path}: is cut short (END-ISO-10303-21 is missing); copy or export it again")
         raise InputError(f"{path}: OpenCascade cannot read this STEP file; {_DAMAGED}")
-    enter_stage("transferring the shapes")
+    errors = _text_errors(reader)
+    enter_stage("transferring the shapes" + (f" of a file with {errors}" if errors else ""))
     document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
     reader.Transfer(document)
     shape = reader.ChangeReader().OneShape()
-    if shape.IsNull():
-        raise InputError(_nothing_delivered(path, text))
+    index = None if shape.IsNull() else FaceIndex(shape)
+    if not index:
+        if not text.declared_faces:
+            raise InputError(f"{path}: has no faces, so there is nothing to draw")
+        lost = f"the file declares {text.declared_faces} faces, OpenCascade delivered none"
+        raise InputError(f"{path}: {lost}; {errors or 'it is damaged or unusual'}; export it again")
     enter_stage("collecting colours and names")
-    index = FaceIndex(shape)
-    if not len(index):
-        raise InputError(_nothing_delivered(path, text))
     appearance = document_appearance(document, index)
-    return CadFile(shape, appearance, _step_warnings(os.path.basename(path), text, index, appearance))
+    name = os.path.basename(path)
+    return CadFile(shape, appearance, [f"{name}: {loss}" for loss in _losses(text, errors, index, appearance)])
 
 
-def _step_warnings(name: str, text: StepText, index: FaceIndex, appearance: Appearance) -> list[str]:
-    warnings = []
+def _text_errors(reader: STEPCAFControl_Reader) -> str:
+    """The syntax errors and unresolved references in the text, in a few words; "" if there are none."""
+    check = reader.ChangeReader().WS().Model().GlobalCheck(True)
+    count = check.NbFails()
+    if not count:
+        return ""
+    first = " ".join(check.CFail(1).split())
+    return f"{count} {'error' if count == 1 else 'errors'} in its text ({'' if count == 1 else 'the first: '}{first})"
+
+
+def _losses(text: StepText, errors: str, index: FaceIndex, appearance: Appearance) -> Iterator[str]:
+    """What of the file is not drawn, or not as the file says."""
     delivered = index.distinct()
     missing = text.declared_faces - delivered
     if missing > 0:
-        warnings.append(
-            f"{name}: the file declares {text.declared_faces} faces, OpenCascade delivered {delivered}; "
+        yield (
+            f"the file declares {text.declared_faces} faces, OpenCascade delivered {delivered}; "
             f"{missing} {'is' if missing == 1 else 'are'} missing from what is drawn"
         )
+    if errors:
+        yield f"the file has {errors}; what depends on that is missing or wrong"
+    if not text.complete:
+        yield "END-ISO-10303-21 is missing: the file may be cut short"
     hidden = int(appearance.hidden.sum())
     if hidden:
-        these = "face is" if hidden == 1 else "faces are"
-        warnings.append(f"{name}: {hidden} {these} marked hidden in the file and drawn all the same")
-    return warnings
+        yield f"{hidden} {'face is' if hidden == 1 else 'faces are'} marked hidden in the file and drawn all the same"
 
 
 def _step_reader(text: StepText) -> STEPCAFControl_Reader:
@@ -123,9 +137,3 @@ def _step_reader(text: StepText) -> STEPCAFControl_Reader:
     reader.SetMatMode(False)
     reader.SetViewMode(False)
     return reader
-
-
-def _nothing_delivered(path: str, text: StepText) -> str:
-    if text.declared_faces:
-        return f"{path}: the file declares {text.declared_faces} faces, OpenCascade delivered none; {_DAMAGED}"
-    return f"{path}: has no faces, so there is nothing to draw"
