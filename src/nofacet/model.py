@@ -47,7 +47,7 @@ class Node:
     faces: NDArray[np.int32]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Model:
     """A CAD model as patches and trim loops.
 

@@ -1,4 +1,4 @@
-"""Surfaces that are not rational (offsets, sweeps of hyperbolas): B-splines close to them, with the measured distance."""
+"""Surfaces that are not rational (offsets, sweeps of hyperbolas): B-splines close to them, the distance measured."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def curve_pieces(
     low: float,
     high: float,
 ) -> tuple[Array, Array]:
-    """Bezier pieces (m, p + 1, c) of a curve with poles (n, c) over [low, high], and the parameters (m + 1,) between."""
+    """Bezier pieces (m, p + 1, c) of a curve with poles (n, c) over [low, high], the parameters (m + 1,) between."""
     where = spans(degree, knots, multiplicities, periodic, low, high)
     return bezier_points(poles[where.poles], where.knots, where.cuts[:-1], where.cuts[1:]), where.cuts
 

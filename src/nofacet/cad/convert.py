@@ -223,9 +223,7 @@ def _placements(stream: Stream, faces: list[PlacedFace]) -> tuple[NDArray[np.flo
 
 def _flat_loops(
     loops: list[list[Loop]],
-) -> tuple[
-    NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]
-]:
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]]:
     """Offsets of definitions, loops and segments, then segment_points and segment_edge, as Model documents them."""
     definition_loops = np.cumsum([0, *(len(own) for own in loops)])
     loop_offsets = np.cumsum([0, *(len(loop) for own in loops for loop in own)])

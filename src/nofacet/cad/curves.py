@@ -106,12 +106,10 @@ def _arc(curve: Curve, s: float, t: float, c: object, d: object) -> Piece:
 
 
 def projected(curve: Curve, rows: list[list[float]]) -> Curve:
-    """A 3-D curve's image in 2-D under an affine map, exact for every kind.
+    """A 3-D curve's image in 2-D under an affine map, exact for every kind but offset curves, which it does not take.
 
     rows: two rows of four numbers, applied to (x, y, z, 1).
     """
-    if curve.kind == "offset":
-        raise ValueError("an edge is an offset curve and has no curve in the plane's parameters")
     if curve.poles is None:
         x, y, z = curve.origin
         return Curve(

@@ -275,9 +275,9 @@ def is_rectangle(loops: list[Loop], box: Box) -> bool:
     for points, _ in loops[0]:
         first, last = points[0], points[-1]
         for axis, side, tolerance in ((0, u0, du), (0, u1, du), (1, v0, dv), (1, v1, dv)):
-            if abs(first[axis] - side) <= tolerance and abs(last[axis] - side) <= tolerance:
-                if all(abs(p[axis] - side * p[2]) <= tolerance for p in points[1:-1]):
-                    break
+            ends_on_it = abs(first[axis] - side) <= tolerance and abs(last[axis] - side) <= tolerance
+            if ends_on_it and all(abs(p[axis] - side * p[2]) <= tolerance for p in points[1:-1]):
+                break
         else:
             return False
         area += (first[0] - u0) * (last[1] - v0) - (last[0] - u0) * (first[1] - v0)

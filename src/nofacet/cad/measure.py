@@ -97,7 +97,8 @@ def edge_deviations(shape: TopoDS_Shape, samples: int = 23) -> EdgeDeviations:
     """Measure how far each edge's 3-D curve runs from the curve in (u, v) that trimming follows.
 
     The curves are compared as curves, not at equal parameter: each of `samples` points of the one is measured to a
-    chord polyline of ten times as many points of the other. Degenerate edges and edges without a 3-D curve are left out.
+    chord polyline of ten times as many points of the other. Degenerate edges and edges without a 3-D curve are left
+    out.
     """
     from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve

@@ -28,7 +28,7 @@ FORWARD, REVERSED, INTERNAL, EXTERNAL = 0, 1, 2, 3  # TopAbs_Orientation
 
 Array = NDArray[np.float64]
 Vector = tuple[float, ...]
-Location = tuple[tuple[int, int], ...]  # (datum, power) pairs, the rightmost factor first, as TopLoc_Location keeps them
+Location = tuple[tuple[int, int], ...]  # (datum, power) pairs, rightmost factor first, as TopLoc_Location has them
 
 
 @dataclass(slots=True)
@@ -145,7 +145,7 @@ def read(shape: TopoDS_Shape) -> Stream:
 
 
 def parse(data: bytes) -> Stream:
-    """Parse BinTools bytes, format version 4. Raises InputError when they are not that or do not end where they should."""
+    """Parse BinTools bytes, format version 4. Raises InputError when they are not that or end at the wrong place."""
     if not data.startswith(HEADER):
         raise InputError(f"OpenCascade wrote an unknown binary format {data[:45]!r}: this version cannot be read")
     reader = _Reader(data)

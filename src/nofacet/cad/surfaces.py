@@ -1,8 +1,8 @@
 """Surfaces to rational Bezier patches in OpenCascade's own parameters, cut to the box of (u, v) that a face uses.
 
 Every exact kind is one of three constructions on homogeneous control points (wx, wy, wz, w):
-turning a profile by an angle (cylinder, cone, sphere, torus, revolution), moving a curve along a line (extrusion, plane)
-and blossoming (Bezier, B-spline). A turn by [u0, u1] is a rational quadratic in s with
+turning a profile by an angle (cylinder, cone, sphere, torus, revolution), moving a curve along a line (extrusion,
+plane) and blossoming (Bezier, B-spline). A turn by [u0, u1] is a rational quadratic in s with
 u = m + 2 atan(T (2 s - 1)), m = (u0 + u1) / 2, T = tan((u1 - u0) / 4): control points at the angles u0, m, u1 with
 the weights 1, cos((u1 - u0) / 2), 1, the middle one on the tangents' meeting point.
 """
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from math import pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,9 +95,7 @@ def periods(surface: Surface) -> tuple[float, float]:
     }.get(surface.kind, (0.0, 0.0))
 
 
-def _domain(
-    knots: Array, multiplicities: NDArray[np.int32], degree: int, periodic: bool
-) -> tuple[float, float]:
+def _domain(knots: Array, multiplicities: NDArray[np.int32], degree: int, periodic: bool) -> tuple[float, float]:
     if periodic:
         return float(knots[0]), float(knots[-1])
     flat = np.repeat(knots, multiplicities)
@@ -122,7 +121,7 @@ class PatchBuilder:
 
     def __init__(self) -> None:
         self._rows: dict[str, list[tuple[float, ...]]] = defaultdict(list)
-        self._parts: dict[tuple[int, int], list[tuple[Array, Array, Array, Array]]] = defaultdict(list)
+        self._parts: dict[tuple[int, int], list[tuple[NDArray[Any], ...]]] = defaultdict(list)
 
     def add(self, definition: int, surface: Surface, box: Box) -> None:
         """Ask for the patches of definition's surface over box; the surface must be exact (is_exact)."""

@@ -12,7 +12,7 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from .curves import pieces, projected, spline_pieces
+from .curves import Piece, pieces, projected, spline_pieces
 from .loops import (
     Box,
     Loop,
@@ -138,9 +138,9 @@ class Trimmer:
         pcurve = self._pcurve(face, edge, use.location)
         if pcurve is not None:
             index = pcurve.second if use.reversed and pcurve.second else pcurve.curve
-            curve, first, last = self.stream.curves2d[index], pcurve.first, pcurve.last
+            segments = _segments(self.stream.curves2d[index], pcurve.first, pcurve.last)
         elif surface.kind == "plane" and edge.curve is not None:
-            curve, first, last = self._projected(face, surface, edge, use.location)
+            segments = self._projected(face, surface, edge, use.location)
         elif edge.degenerated:
             return []
         else:
@@ -148,7 +148,7 @@ class Trimmer:
         number = -1
         if not edge.degenerated and use.edge not in seams:
             number = self.edge_index.setdefault(use.edge, len(self.edge_index))
-        result: Use = [(points, number) for points in _segments(curve, first, last)]
+        result: Use = [(points, number) for points in segments]
         return reverse(result) if use.reversed else result
 
     def _pcurve(self, face: Face, edge: Edge, location: Location) -> PCurve | None:
@@ -162,17 +162,23 @@ class Trimmer:
                     return pcurve
         return None
 
-    def _projected(
-        self, face: Face, surface: Surface, edge: Edge, location: Location
-    ) -> tuple[Curve, float, float]:
+    def _projected(self, face: Face, surface: Surface, edge: Edge, location: Location) -> list[Piece]:
         """The 3-D curve in the plane's (u, v): inverse frame, after the edge's placement relative to the face."""
         assert edge.curve is not None
         index, curve_location, first, last = edge.curve
-        rows = [[*axis, -sum(a * o for a, o in zip(axis, surface.origin, strict=True))] for axis in (surface.x, surface.y)]
-        if location or curve_location or face.location:
-            placed = matrix_of(self.stream, multiply(location, self.stream.locations[curve_location]))
-            rows = (np.array(rows) @ np.linalg.inv(self.stream.matrices[face.location]) @ placed).tolist()
-        return projected(self.stream.curves[index], rows), first, last
+        axes = (surface.x, surface.y)
+        rows = [[*axis, -sum(a * o for a, o in zip(axis, surface.origin, strict=True))] for axis in axes]
+        locations = self.stream.locations
+        placed = multiply(location, locations[curve_location]) if location else locations[curve_location]
+        if placed != locations[face.location]:
+            inverse = np.linalg.inv(self.stream.matrices[face.location])
+            rows = (np.array(rows) @ inverse @ matrix_of(self.stream, placed)).tolist()
+        curve = self.stream.curves[index]
+        if curve.kind != "offset":
+            return _segments(projected(curve, rows), first, last)
+        points = np.array(pieces(curve, first, last)[0])
+        flat = np.concatenate([points @ np.array(rows).T, points[..., 3:]], axis=-1)
+        return [list(map(tuple, piece)) for piece in flat.tolist()]
 
 
 def matrix_of(stream: Stream, location: Location) -> NDArray[np.float64]:
@@ -183,7 +189,7 @@ def matrix_of(stream: Stream, location: Location) -> NDArray[np.float64]:
     return matrix
 
 
-def _segments(curve: Curve, first: float, last: float) -> list[list[tuple[float, ...]]]:
+def _segments(curve: Curve, first: float, last: float) -> list[Piece]:
     """Rational Bezier segments (wu, wv, w) of a 2-D curve over [first, last], end weights 1."""
     if curve.kind not in ("bezier", "bspline") or not curve.rational:
         return pieces(curve, first, last)[0]
