@@ -1,0 +1,183 @@
+// Univariate polynomials in Bernstein form: evaluation, subdivision, and all roots by Bezier clipping.
+#pragma once
+#include <cmath>
+#include <cstring>
+
+namespace nofacet {
+
+// Highest degree of a patch or trim curve in one parameter (OpenCascade's own limit is 25).
+inline constexpr int kMaxDegree = 32;
+// Highest degree of a polynomial made from one (the turning points of a rational curve: 2 * 25 - 1).
+inline constexpr int kMaxPolynomial = 64;
+
+// Bernstein basis of degree n at t.
+inline void bernstein_basis(int n, double t, double* basis) {
+  const double s = 1.0 - t;
+  basis[0] = 1.0;
+  for (int k = 1; k <= n; ++k) {
+    double carry = 0.0;
+    for (int i = 0; i < k; ++i) {
+      const double b = basis[i];
+      basis[i] = carry + s * b;
+      carry = t * b;
+    }
+    basis[k] = carry;
+  }
+}
+
+// Bernstein basis of degree n and its derivative at t.
+inline void bernstein_basis(int n, double t, double* basis, double* derivative) {
+  const double s = 1.0 - t;
+  switch (n) {
+    case 0:
+      basis[0] = 1.0;
+      derivative[0] = 0.0;
+      return;
+    case 1:
+      basis[0] = s, basis[1] = t;
+      derivative[0] = -1.0, derivative[1] = 1.0;
+      return;
+    case 2:
+      basis[0] = s * s, basis[1] = 2 * s * t, basis[2] = t * t;
+      derivative[0] = -2 * s, derivative[1] = 2 * (s - t), derivative[2] = 2 * t;
+      return;
+    case 3: {
+      const double ss = s * s, tt = t * t, st = s * t;
+      basis[0] = ss * s, basis[1] = 3 * ss * t, basis[2] = 3 * s * tt, basis[3] = tt * t;
+      derivative[0] = -3 * ss, derivative[1] = 3 * (ss - 2 * st), derivative[2] = 3 * (2 * st - tt);
+      derivative[3] = 3 * tt;
+      return;
+    }
+    default: {
+      double lower[kMaxPolynomial + 1];
+      bernstein_basis(n - 1, t, lower);
+      basis[0] = s * lower[0];
+      derivative[0] = -n * lower[0];
+      for (int i = 1; i < n; ++i) {
+        basis[i] = s * lower[i] + t * lower[i - 1];
+        derivative[i] = n * (lower[i - 1] - lower[i]);
+      }
+      basis[n] = t * lower[n - 1];
+      derivative[n] = n * lower[n - 1];
+    }
+  }
+}
+
+// Value of sum c_i B_i^n(t), and its derivative.
+inline double bernstein_value(const double* c, int n, double t, double* slope = nullptr) {
+  double basis[kMaxPolynomial + 1], derivative[kMaxPolynomial + 1];
+  bernstein_basis(n, t, basis, derivative);
+  double value = 0.0, d = 0.0;
+  for (int i = 0; i <= n; ++i) {
+    value += basis[i] * c[i];
+    d += derivative[i] * c[i];
+  }
+  if (slope) *slope = d;
+  return value;
+}
+
+// Coefficients of the polynomial on [0, t] and on [t, 1] (de Casteljau).
+inline void bernstein_split(const double* c, int n, double t, double* left, double* right) {
+  double work[kMaxPolynomial + 1];
+  std::memcpy(work, c, sizeof(double) * (n + 1));
+  left[0] = work[0];
+  right[n] = work[n];
+  for (int k = 1; k <= n; ++k) {
+    for (int i = 0; i <= n - k; ++i) work[i] += t * (work[i + 1] - work[i]);
+    left[k] = work[0];
+    right[n - k] = work[n - k];
+  }
+}
+
+// Sign changes along the coefficients; zero counts as positive, here and wherever a root is assigned to a side.
+inline int sign_variations(const double* c, int n) {
+  int count = 0;
+  for (int i = 1; i <= n; ++i) count += (c[i] < 0) != (c[i - 1] < 0);
+  return count;
+}
+
+// The root inside [lo, hi] of a function with opposite signs there: Newton kept inside the bracket, else bisection.
+// f(t, &slope) returns the value. Stops when the step is below `tolerance` in t.
+template <class F>
+double bracketed_newton(F&& f, double lo, double hi, bool rising, double guess, double tolerance) {
+  double t = guess > lo && guess < hi ? guess : 0.5 * (lo + hi);
+  double last_width = hi - lo;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    double slope;
+    const double value = f(t, &slope);
+    if (value == 0.0) return t;
+    ((value < 0) == rising ? lo : hi) = t;
+    double next = t - value / slope;
+    // Newton must stay inside and shrink the bracket or its own step quickly; otherwise bisect.
+    if (!(next > lo && next < hi) || (iteration > 8 && hi - lo > 0.5 * last_width)) next = 0.5 * (lo + hi);
+    last_width = hi - lo;
+    const double step = std::fabs(next - t);
+    t = next;
+    if (step <= tolerance || hi - lo <= tolerance) return t;
+  }
+  return t;
+}
+
+// The part of [0, 1] in which the control polygon's convex hull meets the t axis (METHODS: Bezier clipping, Nishita,
+// Sederberg, Kakimoto 1990). Returns false if it does not meet.
+inline bool hull_clip(const double* c, int n, double* t_min, double* t_max) {
+  double lo = 2.0, hi = -1.0;
+  for (int i = 0; i <= n; ++i) {
+    if (c[i] == 0.0) {
+      lo = std::fmin(lo, double(i) / n);
+      hi = std::fmax(hi, double(i) / n);
+    }
+    for (int k = i + 1; k <= n; ++k) {
+      if ((c[i] < 0) == (c[k] < 0)) continue;
+      const double t = (i + (k - i) * (c[i] / (c[i] - c[k]))) / n;
+      lo = std::fmin(lo, t);
+      hi = std::fmax(hi, t);
+    }
+  }
+  *t_min = lo;
+  *t_max = hi;
+  return lo <= hi;
+}
+
+// All roots in [0, 1] at which the polynomial changes sign, ascending. `roots` must hold n values. Returns their
+// number. Roots are found to about 1e-15 of the interval; touching (double) roots without a sign change are not
+// reported, because they bound nothing.
+inline int bernstein_roots(const double* c, int n, double* roots, double offset = 0.0, double length = 1.0) {
+  const int variations = sign_variations(c, n);
+  if (variations == 0) return 0;
+  if (variations == 1) {
+    const double guess = c[0] / (c[0] - c[n]);
+    const double t = bracketed_newton([&](double s, double* slope) { return bernstein_value(c, n, s, slope); }, 0.0, 1.0,
+                                      c[0] < 0, guess, 1e-15);
+    roots[0] = offset + length * t;
+    return 1;
+  }
+  if (length < 1e-14) {  // a cluster narrower than the arithmetic: one sign change or none
+    if ((c[0] < 0) == (c[n] < 0)) return 0;
+    roots[0] = offset + 0.5 * length;
+    return 1;
+  }
+  double t_min, t_max, left[kMaxPolynomial + 1], right[kMaxPolynomial + 1];
+  hull_clip(c, n, &t_min, &t_max);
+  if (t_max - t_min < 0.8) {
+    // Cut both ends off, with a margin of rounding, and go on inside.
+    const double lo = std::fmax(0.0, t_min - 1e-14), hi = std::fmin(1.0, t_max + 1e-14);
+    if (hi < 1.0) {
+      bernstein_split(c, n, hi, left, right);
+    } else {
+      std::memcpy(left, c, sizeof(double) * (n + 1));
+    }
+    double middle[kMaxPolynomial + 1];
+    if (lo > 0.0) {
+      bernstein_split(left, n, lo / hi, right, middle);
+    } else {
+      std::memcpy(middle, left, sizeof(double) * (n + 1));
+    }
+    return bernstein_roots(middle, n, roots, offset + length * lo, length * (hi - lo));
+  }
+  bernstein_split(c, n, 0.5, left, right);
+  const int first = bernstein_roots(left, n, roots, offset, 0.5 * length);
+  return first + bernstein_roots(right, n, roots + first, offset + 0.5 * length, 0.5 * length);
+}
+
+}  // namespace nofacet

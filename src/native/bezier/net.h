@@ -1,0 +1,63 @@
+// A patch's control net in screen space: homogeneous points (X, Y, W, Z), pixel x = X / W, pixel y = Y / W.
+#pragma once
+#include <cstddef>
+
+#include "bezier/bernstein.h"
+#include "bezier/interval.h"
+
+namespace nofacet {
+
+enum Component { kX = 0, kY = 1, kW = 2, kZ = 3 };
+
+// Non-owning: points[(i * (m + 1) + j) * 4 + component]; i runs along the parameter a (degree n), j along b (degree m).
+struct Net {
+  int n = 0, m = 0;
+  const double* points = nullptr;
+
+  const double* at(int i, int j) const { return points + 4 * (std::size_t(i) * (m + 1) + j); }
+  std::size_t size() const { return 4 * std::size_t(n + 1) * (m + 1); }
+};
+
+// Homogeneous point and its two partial derivatives.
+struct Jet {
+  double p[4], pa[4], pb[4];
+
+  double x() const { return p[kX] / p[kW]; }
+  double y() const { return p[kY] / p[kW]; }
+};
+
+// First derivatives in pixels of the screen position.
+struct ScreenJet {
+  double x, y, xa, xb, ya, yb;
+  explicit ScreenJet(const Jet& jet);
+  double jacobian() const { return xa * yb - xb * ya; }
+  // dx/da along the curve y = const (b follows a).
+  double x_along_cut() const { return xa - xb * ya / yb; }
+};
+
+Jet evaluate(const Net& net, double a, double b);
+
+// Halves of the net along a or b (de Casteljau at 1/2); the shared border is bitwise the same in both.
+void split_a(const Net& net, double* left, double* right);
+void split_b(const Net& net, double* left, double* right);
+// The part of the net over [a0, a1] x [b0, b1].
+void restrict_net(const Net& net, double a0, double a1, double b0, double b1, double* out);
+void transpose(const Net& net, double* out);
+
+// Bounds over the piece of a quotient f = numerator / denominator and of its derivatives by a and b.
+struct QuotientBounds {
+  Interval f, fa, fb, faa, fab, fbb;
+};
+
+// Bounds over the net of x = X/W, y = Y/W; needs all W > 0. All follow from the convex hull property of the control
+// points and of their first and second differences.
+struct NetBounds {
+  QuotientBounds x, y;
+  explicit NetBounds(const Net& net);
+};
+// The same for any two components (used for depth along a cut).
+QuotientBounds quotient_bounds(const Net& net, Component numerator, Component denominator);
+// Convex hull bound of numerator / denominator; the denominator must be positive at every control point.
+Interval hull_range(const Net& net, Component numerator, Component denominator);
+
+}  // namespace nofacet

@@ -1,0 +1,38 @@
+// The interface of a rendering method and the one table of them.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "camera.h"
+#include "frame.h"
+#include "scene.h"
+
+namespace nofacet {
+
+struct RenderOptions {
+  int samples = 4;  // scan planes a pixel row for colour and coverage
+  int threads = 1;
+  bool edges = false;
+};
+
+// What a frame cost and met; seconds are wall-clock.
+struct RenderStats {
+  double subdivide_seconds = 0.0, scan_seconds = 0.0, edge_seconds = 0.0;
+  int64_t pieces = 0;
+  int64_t unresolved = 0;  // pieces left out because they could not be certified; 0 in a sound frame
+  std::vector<int32_t> unresolved_faces;
+};
+
+struct Method {
+  const char* name;
+  RenderStats (*render)(const Scene&, const Camera&, const RenderOptions&, const Frame&);
+};
+
+RenderStats render_bezier_clip_scanline(const Scene&, const Camera&, const RenderOptions&, const Frame&);
+
+const std::vector<Method>& methods();
+// Null if there is none of that name.
+const Method* find_method(const std::string& name);
+
+}  // namespace nofacet

@@ -1,0 +1,257 @@
+#include "raster/piece.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace nofacet {
+namespace {
+
+constexpr int kMaxDepth = 100;          // halvings of one patch, both directions together
+constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch needs a few hundred
+// A curved piece larger than this is split even if certified: depth bounds and first guesses get poor.
+constexpr double kLargestPiece = 256.0;
+// A derivative counts as one-signed only if it stays this far from zero, relative to the terms it is made of.
+constexpr double kRoundingMargin = 1e-12;
+
+bool clearly_one_signed(Interval value, double terms) { return value.mignitude() > kRoundingMargin * terms; }
+
+struct CutBounds {
+  bool graph = false;
+  bool regular = false, fold = false, edge_on = false;
+  double slope = 0.0;  // largest |db/da|
+};
+
+// Certificates with b as the dependent parameter: x and y are the bounds of the screen position.
+CutBounds bound_cut(const QuotientBounds& x, const QuotientBounds& y) {
+  CutBounds cut;
+  cut.graph = clearly_one_signed(y.fb, y.fa.magnitude() + y.fb.magnitude());
+  if (!cut.graph) return cut;
+  const Interval m = -(y.fa / y.fb);
+  cut.slope = m.magnitude();
+  const Interval first = x.fa + m * x.fb;
+  cut.regular = clearly_one_signed(first, x.fa.magnitude() + m.magnitude() * x.fb.magnitude());
+  cut.edge_on = first.magnitude() < kNegligiblePixels;
+  if (cut.regular || cut.edge_on) return cut;
+  // x'' along the cut: (x_aa - r y_aa) + 2 m (x_ab - r y_ab) + m^2 (x_bb - r y_bb), r = x_b / y_b.
+  const Interval r = x.fb / y.fb;
+  const Interval aa = x.faa - r * y.faa, ab = x.fab - r * y.fab, bb = x.fbb - r * y.fbb;
+  const Interval second = aa + m * ab * 2.0 + square(m) * bb;
+  cut.fold = clearly_one_signed(second, aa.magnitude());
+  return cut;
+}
+
+QuotientBounds transposed_bounds(const QuotientBounds& q) { return {q.f, q.fb, q.fa, q.fbb, q.fab, q.faa}; }
+
+// How much halving a parameter would flatten the piece: the size of the second differences it divides.
+double curvature_along(const QuotientBounds& x, const QuotientBounds& y, bool a) {
+  const double own = a ? std::fmax(x.faa.magnitude(), y.faa.magnitude()) : std::fmax(x.fbb.magnitude(), y.fbb.magnitude());
+  return own + 0.5 * std::fmax(x.fab.magnitude(), y.fab.magnitude());
+}
+
+double length_along(const Net& net, bool a) {
+  double longest = 0.0;
+  const int n = a ? net.n : net.m, m = a ? net.m : net.n;
+  for (int k = 0; k <= m; k += m > 0 ? m : 1) {
+    double length = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const double* p = a ? net.at(i, k) : net.at(k, i);
+      const double* q = a ? net.at(i + 1, k) : net.at(k, i + 1);
+      length += std::hypot(q[kX] / q[kW] - p[kX] / p[kW], q[kY] / q[kW] - p[kY] / p[kW]);
+    }
+    longest = std::fmax(longest, length);
+  }
+  return longest;
+}
+
+}  // namespace
+
+void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out) {
+  const Model& model = scene_.model;
+  const PatchGroup& group = model.groups[patch.group];
+  const int32_t definition = model.face_definition[face];
+  const double* placement = model.placements + 16 * std::size_t(model.face_placement[face]);
+  face_ = face;
+  patch_ = &patch;
+  region_ = scene_.regions[definition].get();
+  out_ = &out;
+  nodes_ = 0;
+
+  std::vector<double> projected;
+  Net net{group.degree_u, group.degree_v, nullptr};
+  projected.resize(net.size());
+  const double* source = group.control_points + net.size() * patch.index;
+  for (std::size_t k = 0; k < net.size(); k += 4) {
+    double world[4];
+    for (int r = 0; r < 3; ++r) {
+      world[r] = Camera::dot(placement + 4 * r, source + k) + placement[4 * r + 3] * source[k + 3];
+    }
+    world[3] = source[k + 3];
+    camera_.project(world, projected.data() + k);
+  }
+  net.points = projected.data();
+
+  const Box whole{0.0, 1.0, 0.0, 1.0};
+  if (!region_) {
+    subdivide(net, whole, nullptr, 0);
+    return;
+  }
+  Arcs arcs;
+  arcs.reserve(region_->arcs().size());
+  for (const TrimArc& arc : region_->arcs()) arcs.push_back(&arc);
+  if (arc_stack_.size() < kMaxDepth + 2) arc_stack_.resize(kMaxDepth + 2);
+  subdivide(net, whole, &arcs, 0);
+}
+
+// True if no point of the piece can be in front of the eye and inside the image: every control point lies beyond one
+// of the frustum's planes, in homogeneous form, so it holds for pieces that cross the eye plane too.
+bool PieceBuilder::behind_or_outside(const Net& net) const {
+  bool behind = true, left = true, right = true, above = true, below = true;
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
+    behind &= p[kW] <= 0;
+    left &= p[kX] < 0;
+    right &= p[kX] > camera_.width * p[kW];
+    above &= p[kY] < 0;
+    below &= p[kY] > camera_.height * p[kW];
+  }
+  return behind || left || right || above || below;
+}
+
+void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth) {
+  if (behind_or_outside(net)) return;
+  if (++nodes_ > kMaxNodes) {
+    ++unresolved_;
+    return;
+  }
+
+  // The trim arcs that still run through the piece; without any it is inside or outside as a whole.
+  if (arcs) {
+    Arcs& kept = arc_stack_[depth];
+    kept.clear();
+    const Interval u{patch_->u.face_from_patch(box.s0), patch_->u.face_from_patch(box.s1)};
+    const Interval v{patch_->v.face_from_patch(box.t0), patch_->v.face_from_patch(box.t1)};
+    for (const TrimArc* arc : *arcs) {
+      const Interval au = arc->u_range(), av = arc->v_range();
+      if (au.hi >= u.lo && au.lo <= u.hi && av.hi >= v.lo && av.lo <= v.hi) kept.push_back(arc);
+    }
+    arcs = &kept;
+    if (kept.empty()) {
+      if (!region_->contains(u.mid(), v.mid())) return;
+      arcs = nullptr;
+    }
+  }
+
+  bool in_front = true;
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) in_front &= p[kW] > 0;
+  if (!in_front) {
+    // Crossing the eye plane: what is in front shrinks towards the eye itself, where nothing is visible.
+    if (depth < kMaxDepth / 2) split(net, box, arcs, depth, box.s1 - box.s0 >= box.t1 - box.t0);
+    return;
+  }
+
+  const Interval y = hull_range(net, kY, kW);
+  if (!planes_.any_in(y.lo, y.hi)) return;
+  const NetBounds bounds(net);
+  Piece piece{};
+  bool edge_on = false;
+  if (certify(net, bounds, &piece, &edge_on)) {
+    const bool small = bounds.x.f.width() <= kLargestPiece && y.width() <= kLargestPiece;
+    if (small || piece.linear) {
+      emit(piece, net, box, arcs);
+      return;
+    }
+  } else if (edge_on) {
+    return;  // no cut of it is as wide as kNegligiblePixels
+  } else {
+    const bool narrow = bounds.x.f.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
+    if (narrow && low) {
+      piece.kind = Piece::Kind::point;
+      piece.x = bounds.x.f;
+      piece.y = y;
+      emit(piece, net, box, arcs);
+      return;
+    }
+    if (narrow || low) return;  // seen edge-on: no area
+    if (depth >= kMaxDepth) {
+      ++unresolved_;
+      return;
+    }
+  }
+  const double along_a = curvature_along(bounds.x, bounds.y, true), along_b = curvature_along(bounds.x, bounds.y, false);
+  const double length_a = length_along(net, true), length_b = length_along(net, false);
+  const bool nearly_flat = std::fmax(along_a, along_b) < 1e-2 * std::fmax(length_a, length_b);
+  split(net, box, arcs, depth, nearly_flat ? length_a >= length_b : along_a >= along_b);
+}
+
+void PieceBuilder::split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a) {
+  if (stack_.size() < kMaxDepth + 2) stack_.resize(kMaxDepth + 2);
+  const std::size_t size = net.size();
+  if (stack_[depth].size() < 2 * size) stack_[depth].resize(2 * size);
+  double *left = stack_[depth].data(), *right = left + size;
+  Box first = box, second = box;
+  if (along_a) {
+    split_a(net, left, right);
+    first.s1 = second.s0 = 0.5 * (box.s0 + box.s1);
+  } else {
+    split_b(net, left, right);
+    first.t1 = second.t0 = 0.5 * (box.t0 + box.t1);
+  }
+  subdivide({net.n, net.m, left}, first, arcs, depth + 1);
+  subdivide({net.n, net.m, right}, second, arcs, depth + 1);
+}
+
+bool PieceBuilder::certify(const Net& net, const NetBounds& bounds, Piece* piece, bool* edge_on) const {
+  const QuotientBounds xt = transposed_bounds(bounds.x), yt = transposed_bounds(bounds.y);
+  const CutBounds straight = bound_cut(bounds.x, bounds.y), turned = bound_cut(xt, yt);
+  *edge_on = straight.edge_on || turned.edge_on;
+  if (*edge_on) return false;
+  const bool regular = straight.regular || turned.regular;
+  if (!regular && !straight.fold && !turned.fold) return false;
+  const bool can_straight = regular ? straight.regular : straight.fold;
+  const bool can_turned = regular ? turned.regular : turned.fold;
+  piece->kind = regular ? Piece::Kind::regular : Piece::Kind::fold;
+  piece->transposed = can_turned && (!can_straight || turned.slope < straight.slope);
+  piece->x = bounds.x.f;
+  piece->y = bounds.y.f;
+
+  const QuotientBounds& y = piece->transposed ? yt : bounds.y;
+  QuotientBounds depth = camera_.perspective ? quotient_bounds(net, kW, kZ) : quotient_bounds(net, kZ, kW);
+  if (piece->transposed) depth = transposed_bounds(depth);
+  piece->rising = y.fb.positive();
+  piece->depth = depth.f;
+  piece->depth_slope = depth.fa - (y.fa / y.fb) * depth.fb;
+  bool constant_weight = !camera_.perspective;
+  for (std::size_t k = 0; k < net.size(); k += 4) constant_weight &= net.points[k + kW] == net.points[kW];
+  piece->linear = constant_weight && net.n == 1 && net.m == 1 &&
+                  std::fmax(bounds.x.fab.magnitude(), bounds.y.fab.magnitude()) < kNegligiblePixels &&
+                  depth.fab.magnitude() * camera_.scale < kNegligiblePixels;
+  return true;
+}
+
+void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs) {
+  double* points = nets_.take(net.size());
+  piece.net = {net.n, net.m, points};
+  if (piece.transposed) {
+    transpose(net, points);
+    std::swap(piece.net.n, piece.net.m);
+  } else {
+    std::memcpy(points, net.points, net.size() * sizeof(double));
+  }
+  piece.patch = patch_;
+  piece.face = face_;
+  piece.s0 = box.s0, piece.s1 = box.s1, piece.t0 = box.t0, piece.t1 = box.t1;
+  if (piece.kind == Piece::Kind::point) piece.depth = hull_range(net, camera_.perspective ? kW : kZ, camera_.perspective ? kZ : kW);
+  if (arcs) {
+    piece.region = region_;
+    if (piece.kind != Piece::Kind::point) {
+      portions_.clear();
+      for (const TrimArc* arc : *arcs) monotone_portions(piece, *arc, planes_, portions_);
+      TrimPortion* stored = portion_arena_.take(portions_.size());
+      std::copy(portions_.begin(), portions_.end(), stored);
+      piece.portions = stored;
+      piece.portion_count = int32_t(portions_.size());
+    }
+  }
+  out_->push_back(piece);
+}
+
+}  // namespace nofacet

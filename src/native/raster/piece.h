@@ -1,0 +1,106 @@
+// Pieces: parts of projected patches small enough to be certified, so that every scan plane cuts them in curves that
+// can be followed without losing or inventing a root.
+//
+// In a piece the scan plane's cut d(a, b) = Y - y W = 0 is a graph b(a): d grows (or falls) with b all over the piece.
+// Along the cut the screen x either moves one way only (regular piece) or turns at most once (fold piece: the turn is
+// the silhouette). Both are proved with interval bounds of the derivatives over the whole piece; what cannot be proved
+// is subdivided (METHODS section 3; Nishita, Kaneda, Nakamae 1991, with certificates instead of a flatness test).
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "arena.h"
+#include "bezier/interval.h"
+#include "bezier/net.h"
+#include "camera.h"
+#include "raster/scan_planes.h"
+#include "scene.h"
+
+namespace nofacet {
+
+// A length on the screen, in pixels, below which nothing is told apart: what remains uncertified at this size is
+// drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
+inline constexpr double kNegligiblePixels = 1e-9;
+
+// A part of a trim arc inside one piece, along which the screen y moves one way only.
+struct TrimPortion {
+  const TrimArc* arc;
+  double t0, t1;
+  double y0, y1;
+};
+
+struct Piece {
+  enum class Kind : uint8_t { regular, fold, point };
+
+  Net net;  // a = the patch's s and b = its t, or the other way round if transposed
+  const Scene::PatchRef* patch;
+  const Region* region;  // null: not trimmed here
+  const TrimPortion* portions;
+  int32_t portion_count;
+  int32_t face;
+  double s0, s1, t0, t1;  // the piece in the patch's own parameters
+  bool transposed;
+  bool rising;  // Y - y W grows with b
+  bool linear;  // x and depth are linear along every cut
+  Kind kind;
+  Interval x, y, depth;  // pixels, pixels, model units
+  Interval depth_slope;  // d depth / da along a cut
+
+  // The face's (u, v) at (a, b), and back.
+  void face_from_local(double a, double b, double* u, double* v) const {
+    if (transposed) std::swap(a, b);
+    *u = patch->u.face_from_patch(s0 + a * (s1 - s0));
+    *v = patch->v.face_from_patch(t0 + b * (t1 - t0));
+  }
+  void local_from_face(double u, double v, double* a, double* b) const {
+    *a = (patch->u.patch_from_face(u) - s0) / (s1 - s0);
+    *b = (patch->v.patch_from_face(v) - t0) / (t1 - t0);
+    if (transposed) std::swap(*a, *b);
+  }
+};
+
+// Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
+class PieceBuilder {
+ public:
+  PieceBuilder(const Scene& scene, const Camera& camera, const ScanPlanes& planes)
+      : scene_(scene), camera_(camera), planes_(planes) {}
+
+  // Appends the pieces of one placed patch that some scan plane of the frame meets.
+  void add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out);
+
+  // Pieces that resisted certification down to the depth limit and were left out. 0 in a sound frame.
+  int64_t unresolved() const { return unresolved_; }
+
+ private:
+  struct Box {
+    double s0, s1, t0, t1;
+  };
+  using Arcs = std::vector<const TrimArc*>;
+
+  void subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth);
+  void split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a);
+  bool certify(const Net& net, const NetBounds& bounds, Piece* piece, bool* edge_on) const;
+  bool behind_or_outside(const Net& net) const;
+  void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
+  void add_portions(const Piece& piece, const TrimArc& arc);
+
+  const Scene& scene_;
+  const Camera& camera_;
+  const ScanPlanes& planes_;
+  Arena<double> nets_;
+  Arena<TrimPortion> portion_arena_;
+  std::vector<TrimPortion> portions_;
+  std::vector<std::vector<double>> stack_;  // two nets for each depth
+  std::vector<Arcs> arc_stack_;
+  int64_t unresolved_ = 0, nodes_ = 0;
+  // The patch being worked on.
+  const Scene::PatchRef* patch_ = nullptr;
+  const Region* region_ = nullptr;
+  int32_t face_ = 0;
+  std::vector<Piece>* out_ = nullptr;
+};
+
+// Appends to `out` the parts of `arc` inside `piece` that some plane meets, each monotone in screen y.
+void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes, std::vector<TrimPortion>& out);
+
+}  // namespace nofacet

@@ -1,0 +1,156 @@
+#include "raster/row.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raster/shade.h"
+
+namespace nofacet {
+
+RowPainter::RowPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, double tie, const Frame& frame)
+    : scene_(scene), camera_(camera), planes_(planes), tie_(tie), frame_(frame) {
+  const std::size_t width = frame.width;
+  depth_.resize(width);
+  sample_.resize(width);
+  piece_.resize(width);
+  centre_rgb_.resize(3 * width);
+  rgb_.resize(3 * width);
+  coverage_.resize(width);
+}
+
+void RowPainter::paint(int row, const std::vector<const Piece*>& pieces) {
+  std::fill(piece_.begin(), piece_.end(), nullptr);
+  if (planes_.centre() >= 0) {
+    intersect_scan_plane(pieces, planes_.y(row, planes_.centre()));
+    solve_values(row);
+    write_values(row);
+  }
+  if (!frame_.color && !frame_.coverage) return;
+  std::fill(rgb_.begin(), rgb_.end(), 0.0);
+  std::fill(coverage_.begin(), coverage_.end(), 0.0);
+  int counted = 0;
+  for (int k = 0; k < planes_.per_row(); ++k) counted += planes_.counts(k);
+  for (int k = 0; k < planes_.per_row(); ++k) {
+    if (!planes_.counts(k)) continue;
+    const bool already_cut = k == planes_.centre() && planes_.per_row() == 1;
+    if (!already_cut) intersect_scan_plane(pieces, planes_.y(row, k));
+    resolve_visibility(spans_, camera_, tie_, segments_);
+    for (const VisibleSegment& segment : segments_) accumulate(segment, 1.0 / counted);
+  }
+  write_color(row);
+}
+
+void RowPainter::intersect_scan_plane(const std::vector<const Piece*>& pieces, double y) {
+  spans_.clear();
+  for (const Piece* piece : pieces) {
+    if (piece->y.lo <= y && y <= piece->y.hi) append_spans(*piece, y, camera_, spans_);
+  }
+}
+
+void RowPainter::solve_values(int row) {
+  std::fill(depth_.begin(), depth_.end(), INFINITY);
+  std::stable_sort(spans_.begin(), spans_.end(), [](const Span& p, const Span& q) { return p.nearest < q.nearest; });
+  for (const Span& span : spans_) solve_span(span, row);
+}
+
+void RowPainter::solve_span(const Span& span, int row) {
+  const double first = std::ceil(span.x0 - 0.5 - kSampleShiftX);
+  SurfaceSample sample;
+  bool warm = false;
+  for (int px = std::max(0, int(first)); px < frame_.width && px + 0.5 + kSampleShiftX < span.x1; ++px) {
+    if (span.nearest > depth_[px] + tie_) {
+      warm = false;
+      continue;
+    }
+    const double x = px + 0.5;
+    if (warm) {
+      // Follow the cut's tangent by one pixel from the sample before.
+      const ScreenJet screen(sample.jet);
+      const double determinant = screen.jacobian();
+      sample.a += screen.yb / determinant;
+      sample.b -= screen.ya / determinant;
+    } else {
+      const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
+      sample.a = span.a0 + fraction * (span.a1 - span.a0);
+      sample.b = span.b0 + fraction * (span.b1 - span.b0);
+    }
+    solve_sample(span, x, row + 0.5, &sample);
+    warm = true;
+    const double depth = camera_.depth(sample.jet.p);
+    const bool nearer = !piece_[px] || (std::fabs(depth - depth_[px]) > tie_ ? depth < depth_[px] : span.piece->face < piece_[px]->face);
+    if (!nearer) continue;
+    depth_[px] = depth;
+    sample_[px] = sample;
+    piece_[px] = span.piece;
+  }
+}
+
+void RowPainter::write_values(int row) {
+  const std::size_t start = std::size_t(row) * frame_.width;
+  for (int px = 0; px < frame_.width; ++px) {
+    const std::size_t k = start + px;
+    const Piece* piece = piece_[px];
+    if (frame_.depth) frame_.depth[k] = piece ? depth_[px] : INFINITY;
+    if (frame_.face) frame_.face[k] = piece ? piece->face : -1;
+    if (!piece) {
+      if (frame_.uv) frame_.uv[2 * k] = frame_.uv[2 * k + 1] = 0.0;
+      if (frame_.normal) std::fill_n(frame_.normal + 3 * k, 3, 0.0f);
+      continue;
+    }
+    if (frame_.uv) piece->face_from_local(sample_[px].a, sample_[px].b, frame_.uv + 2 * k, frame_.uv + 2 * k + 1);
+    if (!frame_.normal && !frame_.color) continue;
+    double n[3];
+    surface_normal(*piece, camera_, sample_[px], n);
+    if (frame_.normal) {
+      for (int c = 0; c < 3; ++c) {
+        frame_.normal[3 * k + c] = float(n[0] * camera_.right[c] + n[1] * camera_.up[c] + n[2] * camera_.forward[c]);
+      }
+    }
+    shade(camera_, sample_[px], n, scene_.model.face_color + 4 * std::size_t(piece->face), centre_rgb_.data() + 3 * px);
+  }
+}
+
+void RowPainter::fragment_color(const VisibleSegment& segment, double x, float rgb[3]) {
+  const Span& span = *segment.span;
+  const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
+  SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
+  solve_sample(span, x, span.y, &sample);
+  double n[3];
+  surface_normal(*span.piece, camera_, sample, n);
+  shade(camera_, sample, n, scene_.model.face_color + 4 * std::size_t(span.piece->face), rgb);
+}
+
+// Adds a visible segment to the pixels it runs through, weighted by the length inside each. The shade varies little
+// inside a pixel: where the pixel's centre shows the same face its shade serves, else the fragment's own is evaluated.
+void RowPainter::accumulate(const VisibleSegment& segment, double weight) {
+  const int last = std::min(frame_.width - 1, int(std::ceil(segment.x1)) - 1);
+  for (int px = std::max(0, int(std::floor(segment.x0))); px <= last; ++px) {
+    const double from = std::fmax(segment.x0, px), to = std::fmin(segment.x1, px + 1.0);
+    if (!(from < to)) continue;
+    const double area = weight * (to - from);
+    coverage_[px] += area;
+    if (!frame_.color) continue;
+    float own[3];
+    const float* rgb = own;
+    if (piece_[px] && piece_[px]->face == segment.span->piece->face) {
+      rgb = centre_rgb_.data() + 3 * px;
+    } else {
+      fragment_color(segment, 0.5 * (from + to), own);
+    }
+    for (int c = 0; c < 3; ++c) rgb_[3 * px + c] += area * rgb[c];
+  }
+}
+
+void RowPainter::write_color(int row) {
+  const std::size_t start = std::size_t(row) * frame_.width;
+  for (int px = 0; px < frame_.width; ++px) {
+    const std::size_t k = start + px;
+    const float coverage = float(std::fmin(1.0, coverage_[px]));
+    if (frame_.coverage) frame_.coverage[k] = coverage;
+    if (!frame_.color) continue;
+    for (int c = 0; c < 3; ++c) frame_.color[4 * k + c] = float(rgb_[3 * px + c]);
+    frame_.color[4 * k + 3] = coverage;
+  }
+}
+
+}  // namespace nofacet

@@ -1,0 +1,16 @@
+// Surface normal and shading of a visible point.
+#pragma once
+#include "bezier/net.h"
+#include "camera.h"
+#include "raster/scan_cut.h"
+
+namespace nofacet {
+
+// Unit normal in eye space (right, up, forward), turned towards the eye: n . view < 0. Where the surface has no normal
+// (a pole, a cone's tip), the limit seen from the middle of the piece.
+void surface_normal(const Piece& piece, const Camera& camera, const SurfaceSample& sample, double normal[3]);
+
+// Linear RGB of a face colour lit by a light at the eye and a soft sky; both sides are lit alike.
+void shade(const Camera& camera, const SurfaceSample& sample, const double normal[3], const float color[4], float rgb[3]);
+
+}  // namespace nofacet

@@ -1,0 +1,113 @@
+#include "trim/region.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bezier/bernstein.h"
+
+namespace nofacet {
+namespace {
+
+// Bernstein coefficients of f' w - f w' (degree 2 degree - 1): its roots are where the coordinate f / w turns.
+int turning_polynomial(const double* points, int degree, int coordinate, double* out) {
+  const int n = degree, total = 2 * n - 1;
+  auto binomial = [](int a, int b) {
+    double r = 1.0;
+    for (int k = 1; k <= b; ++k) r = r * (a - b + k) / k;
+    return r;
+  };
+  bool polynomial = true;
+  for (int i = 1; i <= n; ++i) polynomial &= points[3 * i + 2] == points[2];
+  if (polynomial) {
+    for (int i = 0; i < n; ++i) out[i] = points[3 * (i + 1) + coordinate] - points[3 * i + coordinate];
+    return n - 1;
+  }
+  std::fill(out, out + total + 1, 0.0);
+  for (int i = 0; i < n; ++i) {
+    const double df = points[3 * (i + 1) + coordinate] - points[3 * i + coordinate];
+    const double dw = points[3 * (i + 1) + 2] - points[3 * i + 2];
+    for (int j = 0; j <= n; ++j) {
+      const double scale = binomial(n - 1, i) * binomial(n, j) / binomial(total, i + j);
+      out[i + j] += scale * (df * points[3 * j + 2] - points[3 * j + coordinate] * dw);
+    }
+  }
+  return total;
+}
+
+constexpr int kMaxTurns = 2 * kMaxPolynomial + 2;
+
+}  // namespace
+
+Region::Region(const Model& model, std::size_t definition) {
+  const int64_t first_loop = model.definition_loops[definition], last_loop = model.definition_loops[definition + 1];
+  const int64_t first = model.loop_offsets[first_loop], last = model.loop_offsets[last_loop];
+  arcs_.reserve(last - first);
+  for (int64_t k = first; k < last; ++k) {
+    const int degree = int(model.segment_offsets[k + 1] - model.segment_offsets[k]) - 1;
+    add_segment(model.segment_points + 3 * model.segment_offsets[k], degree, model.segment_edge[k]);
+  }
+  fill_bins();
+}
+
+void Region::add_segment(const double* points, int degree, int32_t edge) {
+  double cuts[kMaxTurns] = {0.0};
+  int count = 1;
+  if (degree > 1) {
+    double polynomial[kMaxPolynomial + 1];
+    for (int coordinate = 0; coordinate < 2; ++coordinate) {
+      const int n = turning_polynomial(points, degree, coordinate, polynomial);
+      count += bernstein_roots(polynomial, n, cuts + count);
+    }
+  }
+  cuts[count++] = 1.0;
+  std::sort(cuts, cuts + count);
+  CurvePoint from = evaluate_curve(points, degree, 0.0);
+  for (int k = 1; k < count; ++k) {
+    if (cuts[k] <= cuts[k - 1]) continue;
+    const CurvePoint to = evaluate_curve(points, degree, cuts[k]);
+    if (from.u != to.u || from.v != to.v) {
+      arcs_.push_back({points, degree, edge, cuts[k - 1], cuts[k], from.u, from.v, to.u, to.v});
+    }
+    from = to;
+  }
+}
+
+int Region::bin(double v) const { return std::clamp(int((v - v_min_) * bins_per_v_), 0, bins_ - 1); }
+
+void Region::fill_bins() {
+  if (arcs_.empty()) return;
+  Interval range = Interval::empty();
+  for (const TrimArc& arc : arcs_) range.include(arc.v0), range.include(arc.v1);
+  v_min_ = range.lo, v_max_ = range.hi;
+  bins_ = std::clamp(int(arcs_.size()), 1, 4096);
+  bins_per_v_ = range.width() > 0 ? bins_ / range.width() : 0.0;
+  bin_offsets_.assign(bins_ + 1, 0);
+  for (const TrimArc& arc : arcs_) {
+    const Interval v = arc.v_range();
+    for (int k = bin(v.lo); k <= bin(v.hi); ++k) ++bin_offsets_[k + 1];
+  }
+  for (int k = 0; k < bins_; ++k) bin_offsets_[k + 1] += bin_offsets_[k];
+  bin_arcs_.resize(bin_offsets_[bins_]);
+  std::vector<int32_t> next(bin_offsets_.begin(), bin_offsets_.end() - 1);
+  for (std::size_t k = 0; k < arcs_.size(); ++k) {
+    const Interval v = arcs_[k].v_range();
+    for (int b = bin(v.lo); b <= bin(v.hi); ++b) bin_arcs_[next[b]++] = int32_t(k);
+  }
+}
+
+bool Region::contains(double u, double v) const {
+  if (bins_ == 0 || v < v_min_ || v > v_max_) return false;
+  bool inside = false;
+  const int k = bin(v);
+  for (int32_t index = bin_offsets_[k]; index < bin_offsets_[k + 1]; ++index) {
+    const TrimArc& arc = arcs_[bin_arcs_[index]];
+    const Interval v_range = arc.v_range();
+    if (v < v_range.lo || v >= v_range.hi) continue;  // half-open: a joint is counted once
+    const Interval u_range = arc.u_range();
+    if (u < u_range.lo) continue;
+    inside ^= u >= u_range.hi || arc.at(arc.parameter_at_v(v)).u <= u;
+  }
+  return inside;
+}
+
+}  // namespace nofacet

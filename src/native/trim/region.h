@@ -1,0 +1,31 @@
+// A face definition's trim region: is (u, v) inside its loops (even-odd rule), and which arcs run through a box?
+#pragma once
+#include <vector>
+
+#include "model.h"
+#include "trim/curve.h"
+
+namespace nofacet {
+
+class Region {
+ public:
+  Region() = default;
+  // Reads the loops of one definition of the model, whose arrays must outlive the region.
+  Region(const Model& model, std::size_t definition);
+
+  const std::vector<TrimArc>& arcs() const { return arcs_; }
+  bool contains(double u, double v) const;
+
+ private:
+  std::vector<TrimArc> arcs_;
+  // Arcs by v: bin k holds the arcs whose v range meets [v_min + k * step, v_min + (k + 1) * step].
+  std::vector<int32_t> bin_offsets_, bin_arcs_;
+  double v_min_ = 0.0, v_max_ = 0.0, bins_per_v_ = 0.0;
+  int bins_ = 0;
+
+  void add_segment(const double* points, int degree, int32_t edge);
+  void fill_bins();
+  int bin(double v) const;
+};
+
+}  // namespace nofacet

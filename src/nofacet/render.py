@@ -1,0 +1,94 @@
+"""From model and camera to frame: checks the request, hands the arrays to the native method."""
+
+from __future__ import annotations
+
+import os
+import weakref
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import _native
+from .camera import Camera
+from .errors import InputError
+from .frame import BUFFERS, Frame
+from .model import Model
+
+DEFAULT_METHOD = "bezier_clip_scanline"
+DEFAULT_BUFFERS = ("color", "coverage", "depth", "face")
+# A frame's buffers take 28 bytes a pixel by default and 84 with all of them.
+MAX_PIXELS = 1 << 28
+
+_scenes: weakref.WeakKeyDictionary[Model, _native.Scene] = weakref.WeakKeyDictionary()
+
+
+def methods() -> tuple[str, ...]:
+    """Names of the rendering methods, for `render(method=...)` and `--method`."""
+    return tuple(_native.method_names())
+
+
+def render(
+    model: Model,
+    camera: Camera,
+    resolution: tuple[int, int] = (1920, 1080),
+    method: str = DEFAULT_METHOD,
+    samples: int = 4,
+    threads: int | None = None,
+    buffers: Sequence[str] = DEFAULT_BUFFERS,
+    edges: bool = False,
+) -> Frame:
+    """Draw `model` as `camera` sees it.
+
+    resolution: width and height in pixels.
+    method: one of `methods()`.
+    samples: scan planes a pixel row that colour and coverage are averaged over (along x they are exact).
+    threads: None uses every core; no pixel depends on it.
+    buffers: names from `nofacet.frame.BUFFERS`; only these are computed ("position" needs no "depth" beside it).
+    edges: draw the B-rep's edges as fine lines into `color`.
+
+    Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw.
+    The frame's `stats` hold the stages' times in seconds and counts.
+    """
+    _check(resolution, method, samples, threads, buffers)
+    if not model.groups:
+        raise InputError(f"{model.source}: no face could be converted, there is nothing to draw; see its warnings")
+    width, height = resolution
+    wanted = {"depth" if name == "position" else name for name in buffers}
+    arrays = {}
+    for name in wanted:
+        dtype, channels, _ = BUFFERS[name]
+        arrays[name] = np.empty((height, width) if channels == 1 else (height, width, channels), dtype)
+    if model not in _scenes:
+        _scenes[model] = _native.Scene(model)
+    stats = _scenes[model].render(
+        method=method,
+        eye=tuple(camera.position),
+        axes=np.array(camera.axes()),
+        scale=height / camera.extent_at_unit_depth(),
+        perspective=camera.projection == "perspective",
+        width=width,
+        height=height,
+        samples=samples,
+        threads=threads or os.cpu_count() or 1,
+        edges=edges,
+        **arrays,
+    )
+    return Frame(camera, arrays, stats)
+
+
+def _check(
+    resolution: tuple[int, int], method: str, samples: int, threads: int | None, buffers: Sequence[str]
+) -> None:
+    width, height = resolution
+    if width < 1 or height < 1 or width * height > MAX_PIXELS:
+        raise ValueError(f"resolution {width} x {height}: give a width and height of at least 1, {MAX_PIXELS} pixels in all")
+    if method not in methods():
+        raise ValueError(f"unknown method {method!r}; choose one of {', '.join(methods())}")
+    if not 1 <= samples <= 256:
+        raise ValueError(f"samples {samples}: give 1 to 256 scan planes a pixel row")
+    if threads is not None and not 1 <= threads <= 1024:
+        raise ValueError(f"threads {threads}: give 1 to 1024, or None for every core")
+    unknown = [name for name in buffers if name not in BUFFERS]
+    if unknown or not buffers:
+        what = f"unknown buffer {unknown[0]!r}" if unknown else "no buffer asked for"
+        raise ValueError(f"{what}; choose from {', '.join(BUFFERS)}")
