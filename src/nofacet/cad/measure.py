@@ -96,9 +96,9 @@ class EdgeDeviations:
 def edge_deviations(shape: TopoDS_Shape, samples: int = 23) -> EdgeDeviations:
     """Measure how far each edge's 3-D curve runs from the curve in (u, v) that trimming follows.
 
-    The curves are compared as curves, not at equal parameter: each of `samples` points of the one is measured to a
-    chord polyline of ten times as many points of the other. Degenerate edges and edges without a 3-D curve are left
-    out.
+    At equal parameter first, at `samples` parameters, which bounds the distance from above. Where that exceeds 1e-7 of
+    the edge's extent the curves are compared as curves: each point of the one with a chord polyline through ten times
+    as many points of the other. Degenerate edges and edges without a 3-D curve are left out.
     """
     from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve
@@ -116,8 +116,9 @@ def edge_deviations(shape: TopoDS_Shape, samples: int = 23) -> EdgeDeviations:
             explorer.Next()
             if BRep_Tool.Degenerated_s(edge) or not BRep_Tool.IsGeometric_s(edge):
                 continue
-            space, on_surface = BRepAdaptor_Curve(edge), BRepAdaptor_Curve(edge, face)
-            rows.append((index, _distance(space, on_surface, samples), BRep_Tool.Tolerance_s(edge)))
+            tolerance = BRep_Tool.Tolerance_s(edge)
+            curves = BRepAdaptor_Curve(edge), BRepAdaptor_Curve(edge, face)
+            rows.append((index, _distance(*curves, samples), tolerance))
     columns = np.array(rows, float).reshape(-1, 3)
     return EdgeDeviations(columns[:, 0].astype(np.int32), columns[:, 1], columns[:, 2])
 
@@ -143,7 +144,7 @@ def _points(curve: BRepAdaptor_Curve, samples: int) -> Array:
 def _distance(space: BRepAdaptor_Curve, on_surface: BRepAdaptor_Curve, samples: int) -> float:
     one = _points(space, samples)
     at_equal_parameter = np.linalg.norm(one - _points(on_surface, samples), axis=1)
-    if at_equal_parameter.max() <= 1e-9 * np.ptp(one, axis=0).max():
+    if at_equal_parameter.max() <= 1e-7 * np.ptp(one, axis=0).max():
         return float(at_equal_parameter.max())
     line = _points(on_surface, 10 * samples)
     start, along = line[:-1], np.diff(line, axis=0)
