@@ -27,41 +27,71 @@ SHARED_KINDS = ("CARTESIAN_POINT", "DIRECTION", "VECTOR", "LINE", "( GEOMETRIC_R
 def write_step(assembly: cq.Assembly, path: Path, pcurves: bool = True) -> Path:
     """Write `assembly` to `path`; the same assembly always gives the same bytes.
 
-    OpenCascade puts the present time and the path into the header, both are replaced. `pcurves=False` leaves out the
-    trim curves in (u, v) and lets the reader rebuild them.
+    OpenCascade puts the present time and the path into the header and orders colours by memory address; all are
+    replaced. `pcurves=False` leaves out the trim curves in (u, v) and lets the reader rebuild them.
     """
     with tempfile.TemporaryDirectory() as folder:
         raw = Path(folder) / "raw.step"
         assembly.export(str(raw), "STEP", write_pcurves=pcurves)
         text = raw.read_text()
     text = re.sub(r"FILE_NAME\('[^']*','[^']*'", f"FILE_NAME('{path.name}','{TIME_STAMP}'", text, count=1)
-    path.write_text(share_equal_entities(text))
+    head, data = text.split("DATA;\n", 1)
+    data, tail = data.split("ENDSEC;\n", 1)
+    entities = {int(n): re.sub(r"\n\s*", "", body) for n, body in re.findall(r"#(\d+) = (.*?);\n", data, re.DOTALL)}
+    lines = [f"#{n} = {body};\n" for n, body in order_colors(share_equal_entities(entities)).items()]
+    path.write_text(head + "DATA;\n" + "".join(lines) + "ENDSEC;\n" + tail)
     return path
 
 
-def share_equal_entities(text: str) -> str:
-    """The STEP text with equal points, directions, lines and (u, v) contexts written once; no number changes.
+def share_equal_entities(entities: dict[int, str]) -> dict[int, str]:
+    """The STEP entities with equal points, directions, lines and (u, v) contexts only once; no number changes.
 
     A closed B-spline surface, for one, is written with its first control points again as its last ones. Free-form
     files get about a third smaller.
     """
-    head, data = text.split("DATA;\n", 1)
-    data, tail = data.split("ENDSEC;\n", 1)
-    entities = {n: re.sub(r"\n\s*", "", body) for n, body in re.findall(r"#(\d+) = (.*?);\n", data, re.DOTALL)}
-    same: dict[str, str] = {}
-
-    def renamed(body: str) -> str:
-        return re.sub(r"#(\d+)", lambda match: "#" + same.get(match[1], match[1]), body)
-
+    same: dict[int, int] = {}
     for kind in SHARED_KINDS:
-        first: dict[str, str] = {}
+        first: dict[str, int] = {}
         for number in [n for n, body in entities.items() if body.startswith(kind)]:
-            body = renamed(entities[number])
-            if first.setdefault(body, number) != number:
-                same[number] = first[body]
-                del entities[number]
-    lines = (f"#{number} = {renamed(body)};\n" for number, body in entities.items())
-    return head + "DATA;\n" + "".join(lines) + "ENDSEC;\n" + tail
+            if (kept := first.setdefault(renamed(entities[number], same), number)) != number:
+                same[number] = kept
+    return {n: renamed(body, same) for n, body in entities.items() if n not in same}
+
+
+def order_colors(entities: dict[int, str]) -> dict[int, str]:
+    """The STEP entities with the colours, which stand last, in the order of what they colour."""
+    roots = [n for n, body in entities.items() if body.startswith("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION")]
+    if not roots:
+        return entities
+    fixed = {n: body for n, body in entities.items() if n < roots[0]}
+    order: list[int] = []
+
+    def visit(number: int) -> None:
+        if number in fixed or number in order:
+            return
+        order.append(number)
+        for child in references(entities[number]):
+            visit(child)
+
+    for root in sorted(roots, key=lambda n: references(entities[n])[-1]):
+        *items, context = references(entities[root])
+        items.sort(key=lambda n: references(entities[n])[-1])
+        entities[root] = re.sub(r",\(.*", f",({','.join(f'#{n}' for n in items)}),#{context})", entities[root])
+        visit(root)
+    if len(order) + len(fixed) != len(entities):
+        raise ValueError("the STEP file has entities after the colours that no colour refers to")
+    number_of = {old: new for new, old in enumerate(order, roots[0])}
+    return fixed | {number_of[n]: renamed(entities[n], number_of) for n in order}
+
+
+def references(body: str) -> list[int]:
+    """The numbers of the entities that this one refers to."""
+    return [int(n) for n in re.findall(r"#(\d+)", body)]
+
+
+def renamed(body: str, number_of: dict[int, int]) -> str:
+    """The entity with every reference replaced that `number_of` has a new number for."""
+    return re.sub(r"#(\d+)", lambda match: f"#{number_of.get(int(match[1]), int(match[1]))}", body)
 
 
 def points_array(points: ArrayLike) -> TColgp_Array2OfPnt:

@@ -45,6 +45,7 @@ COLORS = {
     "yellow": (0.98, 0.80, 0.15),
     "wicker": (0.45, 0.28, 0.14),
 }
+Edges = list[BRepBuilderAPI_MakeEdge]
 
 
 def envelope() -> Geom_BSplineSurface:
@@ -74,9 +75,7 @@ class Pattern:
             poles.SetValue(i, gp_Pnt2d(float(u), float(v)))
         return BRepBuilderAPI_MakeEdge(Geom2d_BezierCurve(poles), self.surface)
 
-    def field(
-        self, outline: list[BRepBuilderAPI_MakeEdge], hole: list[BRepBuilderAPI_MakeEdge] | None = None
-    ) -> cq.Face:
+    def field(self, outline: list[BRepBuilderAPI_MakeEdge], hole: Edges | None = None) -> cq.Face:
         """The face inside the edges `outline` and outside the edges `hole`."""
         made = BRepBuilderAPI_MakeFace(self.surface, wire(outline), True)
         if hole:
@@ -84,7 +83,7 @@ class Pattern:
         BRepLib.BuildCurves3d_s(made.Face())
         return cq.Face(made.Face())
 
-    def stripe(self, first: int, last: int, hole: list[BRepBuilderAPI_MakeEdge] | None = None) -> cq.Face:
+    def stripe(self, first: int, last: int, hole: Edges | None = None) -> cq.Face:
         """The field between two wavy borders, from the skirt to the cap."""
         bottom, top = (self.edge([(2 * first, v), (2 * last, v)]) for v in (SKIRT_TOP, CAP_BOTTOM))
         return self.field([bottom, self.borders[last], top, self.borders[first]], hole)
@@ -94,7 +93,7 @@ class Pattern:
         return cq.Face(BRepBuilderAPI_MakeFace(self.surface, 0.0, 2.0 * GORES, low, high, 1e-7).Face())
 
 
-def wire(edges: list[BRepBuilderAPI_MakeEdge]) -> TopoDS_Wire:
+def wire(edges: Edges) -> TopoDS_Wire:
     """The edges end to end."""
     made = BRepBuilderAPI_MakeWire()
     for edge in edges:
