@@ -102,7 +102,10 @@ class Frame:
         extension = check_extension(path)
         if not path.parent.is_dir():
             raise OSError(f"{path}: the folder {path.parent} does not exist; make it first")
-        attributes: dict[str, Any] = {METADATA_KEY: json.dumps(self.camera.to_dict()), SOFTWARE_KEY: f"nofacet {version('nofacet')}"}
+        attributes: dict[str, Any] = {
+            METADATA_KEY: json.dumps(self.camera.to_dict()),
+            SOFTWARE_KEY: f"nofacet {version('nofacet')}",
+        }
         if extension == ".png":
             image.write(path, _srgb8_from_premultiplied(self.color), ("R", "G", "B", "A"), attributes)
             return
