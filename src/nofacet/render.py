@@ -54,6 +54,9 @@ def render(
         raise InputError(f"{model.source}: no face could be converted, there is nothing to draw; see its warnings")
     width, height = resolution
     wanted = {"depth" if name == "position" else name for name in buffers}
+    kept = set(wanted)
+    if edges and "color" in wanted:
+        wanted.add("depth")  # edge lines are hidden by depth
     arrays = {}
     for name in wanted:
         dtype, channels, _ = BUFFERS[name]
@@ -73,7 +76,7 @@ def render(
         edges=edges,
         **arrays,
     )
-    return Frame(camera, arrays, stats)
+    return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
 
 
 def _check(

@@ -65,6 +65,22 @@ inline void bernstein_basis(int n, double t, double* basis, double* derivative) 
 
 // Value of sum c_i B_i^n(t), and its derivative.
 inline double bernstein_value(const double* c, int n, double t, double* slope = nullptr) {
+  const double s = 1.0 - t;
+  if (n == 1) {
+    if (slope) *slope = c[1] - c[0];
+    return s * c[0] + t * c[1];
+  }
+  if (n == 2) {
+    const double p = s * c[0] + t * c[1], q = s * c[1] + t * c[2];
+    if (slope) *slope = 2.0 * (q - p);
+    return s * p + t * q;
+  }
+  if (n == 3) {
+    const double p = s * c[0] + t * c[1], q = s * c[1] + t * c[2], r = s * c[2] + t * c[3];
+    const double pq = s * p + t * q, qr = s * q + t * r;
+    if (slope) *slope = 3.0 * (qr - pq);
+    return s * pq + t * qr;
+  }
   double basis[kMaxPolynomial + 1], derivative[kMaxPolynomial + 1];
   bernstein_basis(n, t, basis, derivative);
   double value = 0.0, d = 0.0;

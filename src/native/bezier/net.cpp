@@ -48,8 +48,12 @@ Jet evaluate(const Net& net, double a, double b) {
   switch (net.n * 64 + net.m) {
     case 1 * 64 + 1: return evaluate_degrees<1, 1>(net, a, b);
     case 1 * 64 + 2: return evaluate_degrees<1, 2>(net, a, b);
+    case 1 * 64 + 3: return evaluate_degrees<1, 3>(net, a, b);
     case 2 * 64 + 1: return evaluate_degrees<2, 1>(net, a, b);
     case 2 * 64 + 2: return evaluate_degrees<2, 2>(net, a, b);
+    case 2 * 64 + 3: return evaluate_degrees<2, 3>(net, a, b);
+    case 3 * 64 + 1: return evaluate_degrees<3, 1>(net, a, b);
+    case 3 * 64 + 2: return evaluate_degrees<3, 2>(net, a, b);
     case 3 * 64 + 3: return evaluate_degrees<3, 3>(net, a, b);
     default: return evaluate_degrees<-1, -1>(net, a, b);
   }

@@ -12,6 +12,7 @@
 
 #include "methods.h"
 #include "parallel.h"
+#include "raster/edge_lines.h"
 #include "raster/piece.h"
 #include "raster/row.h"
 
@@ -113,6 +114,12 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
     for (int row = int(band) * kBandRows; row < end; ++row) painters[thread].paint(row, bands[band]);
   });
   stats.scan_seconds = seconds_since(start);
+
+  if (options.edges && frame.color && frame.depth) {
+    start = Clock::now();
+    draw_edge_lines(scene, camera, options.threads, frame);
+    stats.edge_seconds = seconds_since(start);
+  }
   return stats;
 }
 

@@ -118,8 +118,9 @@ void solve_crossing(const Piece& piece, const TrimPortion& portion, double y, do
 
 class SpanWriter {
  public:
-  SpanWriter(const Piece& piece, double y, const Camera& camera, std::vector<Span>& out)
-      : piece_(piece), y_(y), camera_(camera), out_(out) {
+  SpanWriter(const Piece& piece, double y, const Camera& camera, std::vector<CutPoint>& crossings, std::vector<Span>& out)
+      : piece_(piece), y_(y), camera_(camera), crossings_(crossings), out_(out) {
+    crossings_.clear();
     for (int k = 0; k < piece.portion_count; ++k) {
       const TrimPortion& portion = piece.portions[k];
       if ((portion.y0 <= y) == (portion.y1 <= y)) continue;
@@ -159,19 +160,26 @@ class SpanWriter {
   const Piece& piece_;
   double y_;
   const Camera& camera_;
+  std::vector<CutPoint>& crossings_;
   std::vector<Span>& out_;
-  std::vector<CutPoint> crossings_;
 };
 
 }  // namespace
 
 double cut_at(const Piece& piece, double y, double a) {
   const Net& net = piece.net;
-  double basis[kMaxPolynomial + 1], d[kMaxPolynomial + 1];
-  bernstein_basis(net.n, a, basis);
-  for (int j = 0; j <= net.m; ++j) {
-    d[j] = 0.0;
-    for (int i = 0; i <= net.n; ++i) d[j] += basis[i] * (net.at(i, j)[kY] - y * net.at(i, j)[kW]);
+  double d[kMaxDegree + 1];
+  if (a == 0.0 || a == 1.0) {  // a border of the piece: its own control points
+    const double* p = net.at(a == 0.0 ? 0 : net.n, 0);
+    for (int j = 0; j <= net.m; ++j, p += 4) d[j] = p[kY] - y * p[kW];
+  } else {
+    double basis[kMaxDegree + 1];
+    bernstein_basis(net.n, a, basis);
+    std::fill(d, d + net.m + 1, 0.0);
+    const double* p = net.points;
+    for (int i = 0; i <= net.n; ++i) {
+      for (int j = 0; j <= net.m; ++j, p += 4) d[j] += basis[i] * (p[kY] - y * p[kW]);
+    }
   }
   if ((d[0] < 0) == (d[net.m] < 0)) {  // an end of the cut, lost to rounding: the border it lies on
     return std::fabs(d[0]) <= std::fabs(d[net.m]) ? 0.0 : 1.0;
@@ -194,7 +202,8 @@ void append_spans(const Piece& piece, double y, const Camera& camera, std::vecto
   Stretch found[kMaxBreaks];
   const int count = stretches(piece, y, found);
   if (count == 0) return;
-  SpanWriter writer(piece, y, camera, out);
+  thread_local std::vector<CutPoint> crossings;
+  SpanWriter writer(piece, y, camera, crossings, out);
   for (int k = 0; k < count; ++k) {
     const Stretch& s = found[k];
     const CutPoint from = cut_point(piece, camera, s.from, std::isnan(s.b_from) ? cut_at(piece, y, s.from) : s.b_from);

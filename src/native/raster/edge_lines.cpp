@@ -1,0 +1,184 @@
+#include "raster/edge_lines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bezier/bernstein.h"
+#include "parallel.h"
+#include "trim/curve.h"
+
+namespace nofacet {
+namespace {
+
+constexpr double kFlatness = 0.05;    // pixels between the line and its chords
+constexpr double kHalfWidth = 0.6;    // pixels
+constexpr double kOpacity = 0.85;
+constexpr float kLineColor = 0.01f;   // linear, all three channels
+constexpr int kMaxHalvings = 12;
+constexpr int kBandRows = 16;
+
+struct LinePoint {
+  double x, y, depth;
+  bool in_front;
+};
+
+struct Chord {
+  LinePoint from, to;
+};
+
+// Evaluates points of one placed face at its own (u, v).
+class FacePoints {
+ public:
+  FacePoints(const Scene& scene, const Camera& camera, int32_t face) : scene_(scene), camera_(camera) {
+    const int32_t definition = scene.model.face_definition[face];
+    first_ = last_ = scene.patch_offsets[definition];
+    end_ = scene.patch_offsets[definition + 1];
+    placement_ = scene.model.placements + 16 * std::size_t(scene.model.face_placement[face]);
+  }
+  bool empty() const { return first_ == end_; }
+
+  LinePoint at(double u, double v) {
+    const Scene::PatchRef& patch = find(u, v);
+    const PatchGroup& group = scene_.model.groups[patch.group];
+    const int n = group.degree_u, m = group.degree_v;
+    const double* p = group.control_points + 4 * std::size_t(n + 1) * (m + 1) * patch.index;
+    double bu[kMaxDegree + 1], bv[kMaxDegree + 1], local[4] = {0, 0, 0, 0}, world[4], screen[4];
+    bernstein_basis(n, patch.u.patch_from_face(u), bu);
+    bernstein_basis(m, patch.v.patch_from_face(v), bv);
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= m; ++j, p += 4) {
+        for (int c = 0; c < 4; ++c) local[c] += bu[i] * bv[j] * p[c];
+      }
+    }
+    for (int r = 0; r < 3; ++r) world[r] = Camera::dot(placement_ + 4 * r, local) + placement_[4 * r + 3] * local[3];
+    world[3] = local[3];
+    camera_.project(world, screen);
+    return {screen[0] / screen[2], screen[1] / screen[2], camera_.depth(screen), screen[2] > 0};
+  }
+
+ private:
+  static double outside(const ParameterMap& map, double u) { return std::fmax(std::fmax(map.u0 - u, u - map.u1), 0.0); }
+
+  // The patch that holds (u, v), or the nearest one: loops may overhang their patches by rounding.
+  const Scene::PatchRef& find(double u, double v) {
+    double best = INFINITY;
+    std::size_t found = last_;
+    for (std::size_t k = last_, step = 0; step < end_ - first_; ++step, k = k + 1 == end_ ? first_ : k + 1) {
+      const double d = outside(scene_.patches[k].u, u) + outside(scene_.patches[k].v, v);
+      if (d < best) best = d, found = k;
+      if (best == 0.0) break;
+    }
+    last_ = found;
+    return scene_.patches[found];
+  }
+
+  const Scene& scene_;
+  const Camera& camera_;
+  std::size_t first_, end_, last_;
+  const double* placement_;
+};
+
+bool near_image(const LinePoint& p, const LinePoint& q, const Frame& frame) {
+  return std::fmax(p.x, q.x) >= -1 && std::fmin(p.x, q.x) <= frame.width + 1 && std::fmax(p.y, q.y) >= -1 &&
+         std::fmin(p.y, q.y) <= frame.height + 1;
+}
+
+void flatten(FacePoints& points, const double* curve, int degree, const Frame& frame, double t0, const LinePoint& p0,
+             double t1, const LinePoint& p1, int halvings, std::vector<Chord>& out) {
+  const double t = 0.5 * (t0 + t1);
+  const CurvePoint c = evaluate_curve(curve, degree, t);
+  const LinePoint middle = points.at(c.u, c.v);
+  const double bend = std::hypot(middle.x - 0.5 * (p0.x + p1.x), middle.y - 0.5 * (p0.y + p1.y));
+  // The first halvings are unconditional, so that a symmetric S does not pass for straight.
+  const bool straight = halvings >= 3 && bend <= kFlatness && p0.in_front && p1.in_front;
+  if (straight || halvings >= kMaxHalvings) {
+    if (p0.in_front && p1.in_front && near_image(p0, p1, frame)) out.push_back({p0, p1});
+    return;
+  }
+  flatten(points, curve, degree, frame, t0, p0, t, middle, halvings + 1, out);
+  flatten(points, curve, degree, frame, t, middle, t1, p1, halvings + 1, out);
+}
+
+std::vector<Chord> face_chords(const Scene& scene, const Camera& camera, const Frame& frame, int32_t face) {
+  std::vector<Chord> chords;
+  FacePoints points(scene, camera, face);
+  if (points.empty()) return chords;
+  const Model& model = scene.model;
+  const int32_t d = model.face_definition[face];
+  const int64_t first = model.loop_offsets[model.definition_loops[d]];
+  const int64_t last = model.loop_offsets[model.definition_loops[d + 1]];
+  for (int64_t k = first; k < last; ++k) {
+    if (model.segment_edge[k] < 0) continue;
+    const double* curve = model.segment_points + 3 * model.segment_offsets[k];
+    const int degree = int(model.segment_offsets[k + 1] - model.segment_offsets[k]) - 1;
+    const CurvePoint from = evaluate_curve(curve, degree, 0.0), to = evaluate_curve(curve, degree, 1.0);
+    flatten(points, curve, degree, frame, 0.0, points.at(from.u, from.v), 1.0, points.at(to.u, to.v), 0, chords);
+  }
+  return chords;
+}
+
+// The farthest surface depth around a pixel: a line lies on its surface, which may fall away steeply inside a pixel.
+double depth_around(const Frame& frame, int px, int py) {
+  double farthest = -INFINITY;
+  for (int y = std::max(0, py - 1); y <= std::min(frame.height - 1, py + 1); ++y) {
+    for (int x = std::max(0, px - 1); x <= std::min(frame.width - 1, px + 1); ++x) {
+      farthest = std::fmax(farthest, frame.depth[std::size_t(y) * frame.width + x]);
+    }
+  }
+  return farthest;
+}
+
+void draw_chord(const Chord& chord, const Frame& frame, double slack, int row0, int row1, float* opacity) {
+  const LinePoint &p = chord.from, &q = chord.to;
+  const double dx = q.x - p.x, dy = q.y - p.y, length2 = dx * dx + dy * dy, reach = kHalfWidth + 0.5;
+  const int y0 = std::max(row0, int(std::floor(std::fmin(p.y, q.y) - reach)));
+  const int y1 = std::min(row1 - 1, int(std::ceil(std::fmax(p.y, q.y) + reach)));
+  const int x0 = std::max(0, int(std::floor(std::fmax(-2.0, std::fmin(p.x, q.x) - reach))));
+  const int x1 = std::min(frame.width - 1, int(std::ceil(std::fmin(frame.width + 2.0, std::fmax(p.x, q.x) + reach))));
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const double rx = x + 0.5 - p.x, ry = y + 0.5 - p.y;
+      const double t = length2 > 0 ? std::clamp((rx * dx + ry * dy) / length2, 0.0, 1.0) : 0.0;
+      const double distance = std::hypot(rx - t * dx, ry - t * dy);
+      const float strength = float(kOpacity * std::clamp(reach - distance, 0.0, 1.0));
+      float& pixel = opacity[std::size_t(y - row0) * frame.width + x];
+      if (strength <= pixel) continue;
+      if (p.depth + t * (q.depth - p.depth) <= depth_around(frame, x, y) + slack) pixel = strength;
+    }
+  }
+}
+
+}  // namespace
+
+void draw_edge_lines(const Scene& scene, const Camera& camera, int threads, const Frame& frame) {
+  std::vector<std::vector<Chord>> chords(scene.model.face_count);
+  parallel_for(chords.size(), threads,
+               [&](std::size_t face, int) { chords[face] = face_chords(scene, camera, frame, int32_t(face)); });
+  const int bands = (frame.height + kBandRows - 1) / kBandRows;
+  std::vector<std::vector<const Chord*>> by_band(bands);
+  Interval depth = Interval::empty();
+  for (const auto& list : chords) {
+    for (const Chord& chord : list) {
+      depth.include(chord.from.depth);
+      const double lo = std::fmin(chord.from.y, chord.to.y) - 2, hi = std::fmax(chord.from.y, chord.to.y) + 2;
+      const int first = std::clamp(int(std::fmax(lo, 0.0)) / kBandRows, 0, bands - 1);
+      const int last = std::clamp(int(std::fmin(std::fmax(hi, 0.0), double(frame.height))) / kBandRows, 0, bands - 1);
+      for (int band = first; band <= last; ++band) by_band[band].push_back(&chord);
+    }
+  }
+  const double slack = 1e-6 * std::fmax(0.0, depth.width());
+  parallel_for(by_band.size(), threads, [&](std::size_t band, int) {
+    const int row0 = int(band) * kBandRows, row1 = std::min(frame.height, row0 + kBandRows);
+    std::vector<float> opacity(std::size_t(row1 - row0) * frame.width, 0.0f);
+    for (const Chord* chord : by_band[band]) draw_chord(*chord, frame, slack, row0, row1, opacity.data());
+    float* color = frame.color + 4 * std::size_t(row0) * frame.width;
+    for (std::size_t k = 0; k < opacity.size(); ++k) {
+      const float a = opacity[k];
+      if (a == 0.0f) continue;
+      for (int c = 0; c < 3; ++c) color[4 * k + c] = color[4 * k + c] * (1.0f - a) + kLineColor * a;
+      color[4 * k + 3] = color[4 * k + 3] * (1.0f - a) + a;
+    }
+  });
+}
+
+}  // namespace nofacet
