@@ -100,8 +100,6 @@ class Line {
       push(x0, x1, &fresh);
       return true;
     }
-    const bool fresh_left = hides(fresh, f0.depth, old, o0.depth, tie_);
-    const bool fresh_right = hides(fresh, f1.depth, old, o1.depth, tie_);
     const bool both_linear = fresh.piece->linear && old.piece->linear;
     if (x1 - x0 > kFinestInterval && !both_linear) {
       const double middle = 0.5 * (x0 + x1);
@@ -109,13 +107,17 @@ class Line {
       const bool left = compare(fresh, old, x0, middle, f0, fm, o0, om);
       return compare(fresh, old, middle, x1, fm, f1, om, o1) || left;
     }
-    if (fresh_left == fresh_right) {
-      push(x0, x1, fresh_left ? &fresh : &old);
-      return fresh_left;
+    const double d0 = f0.depth - o0.depth, d1 = f1.depth - o1.depth;
+    const bool tie0 = std::fabs(d0) <= tie_, tie1 = std::fabs(d1) <= tie_;
+    if (tie0 || tie1 || (d0 < 0) == (d1 < 0)) {
+      // No crossing inside; surfaces that touch at one end are told apart at the other.
+      const bool nearer = tie0 && tie1 ? fresh.piece->face < old.piece->face : (tie0 ? d1 : d0) < 0;
+      push(x0, x1, nearer ? &fresh : &old);
+      return nearer;
     }
-    const double crossing = solve_crossing(fresh, old, x0, x1, f0.depth - o0.depth, f1.depth - o1.depth);
-    push(x0, crossing, fresh_left ? &fresh : &old);
-    push(crossing, x1, fresh_right ? &fresh : &old);
+    const double crossing = solve_crossing(fresh, old, x0, x1, d0, d1);
+    push(x0, crossing, d0 < 0 ? &fresh : &old);
+    push(crossing, x1, d1 < 0 ? &fresh : &old);
     return true;
   }
 
@@ -144,11 +146,6 @@ class Line {
 };
 
 }  // namespace
-
-bool hides(const Span& front, double front_depth, const Span& back, double back_depth, double tie) {
-  if (std::fabs(front_depth - back_depth) > tie) return front_depth < back_depth;
-  return front.piece->face < back.piece->face;
-}
 
 void resolve_visibility(std::vector<Span>& spans, const Camera& camera, double tie, std::vector<VisibleSegment>& out) {
   out.clear();
