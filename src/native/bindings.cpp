@@ -93,8 +93,14 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
   camera.perspective = perspective;
   camera.width = width;
   camera.height = height;
-  const Frame frame{width, height, data_or_null(color), data_or_null(coverage), data_or_null(depth), data_or_null(face),
-                    data_or_null(uv), data_or_null(normal)};
+  const Frame frame{width,
+                    height,
+                    data_or_null(color),
+                    data_or_null(coverage),
+                    data_or_null(depth),
+                    data_or_null(face),
+                    data_or_null(uv),
+                    data_or_null(normal)};
   RenderStats stats;
   {
     nb::gil_scoped_release release;
@@ -122,10 +128,11 @@ NB_MODULE(_native, module) {
   module.doc() = "nofacet's native renderer: patches and trim loops in, pixel buffers out.";
   nb::class_<BoundScene>(module, "Scene", "A model prepared for drawing; looks into the model's arrays.")
       .def("__init__", &init_scene, nb::arg("model"))
-      .def("render", &render, nb::arg("method"), nb::arg("eye"), nb::arg("axes"), nb::arg("scale"), nb::arg("perspective"),
-           nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"), nb::arg("edges"),
-           nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(),
-           nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
+      .def("render", &render, nb::arg("method"), nb::arg("eye"), nb::arg("axes"), nb::arg("scale"),
+           nb::arg("perspective"), nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"),
+           nb::arg("edges"), nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(),
+           nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(),
+           nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
 }

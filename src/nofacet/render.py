@@ -79,12 +79,12 @@ def render(
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
 
 
-def _check(
-    resolution: tuple[int, int], method: str, samples: int, threads: int | None, buffers: Sequence[str]
-) -> None:
+def _check(resolution: tuple[int, int], method: str, samples: int, threads: int | None, buffers: Sequence[str]) -> None:
     width, height = resolution
     if width < 1 or height < 1 or width * height > MAX_PIXELS:
-        raise ValueError(f"resolution {width} x {height}: give a width and height of at least 1, {MAX_PIXELS} pixels in all")
+        raise ValueError(
+            f"resolution {width} x {height}: give a width and height of at least 1, {MAX_PIXELS} pixels in all"
+        )
     if method not in methods():
         raise ValueError(f"unknown method {method!r}; choose one of {', '.join(methods())}")
     if not 1 <= samples <= 256:

@@ -163,8 +163,8 @@ inline int bernstein_roots(const double* c, int n, double* roots, double offset 
   if (variations == 0) return 0;
   if (variations == 1) {
     const double guess = c[0] / (c[0] - c[n]);
-    const double t = bracketed_newton([&](double s, double* slope) { return bernstein_value(c, n, s, slope); }, 0.0, 1.0,
-                                      c[0] < 0, guess, 1e-15);
+    const double t = bracketed_newton([&](double s, double* slope) { return bernstein_value(c, n, s, slope); }, 0.0,
+                                      1.0, c[0] < 0, guess, 1e-15);
     roots[0] = offset + length * t;
     return 1;
   }

@@ -46,16 +46,26 @@ Jet evaluate_degrees(const Net& net, double a, double b) {
 
 Jet evaluate(const Net& net, double a, double b) {
   switch (net.n * 64 + net.m) {
-    case 1 * 64 + 1: return evaluate_degrees<1, 1>(net, a, b);
-    case 1 * 64 + 2: return evaluate_degrees<1, 2>(net, a, b);
-    case 1 * 64 + 3: return evaluate_degrees<1, 3>(net, a, b);
-    case 2 * 64 + 1: return evaluate_degrees<2, 1>(net, a, b);
-    case 2 * 64 + 2: return evaluate_degrees<2, 2>(net, a, b);
-    case 2 * 64 + 3: return evaluate_degrees<2, 3>(net, a, b);
-    case 3 * 64 + 1: return evaluate_degrees<3, 1>(net, a, b);
-    case 3 * 64 + 2: return evaluate_degrees<3, 2>(net, a, b);
-    case 3 * 64 + 3: return evaluate_degrees<3, 3>(net, a, b);
-    default: return evaluate_degrees<-1, -1>(net, a, b);
+    case 1 * 64 + 1:
+      return evaluate_degrees<1, 1>(net, a, b);
+    case 1 * 64 + 2:
+      return evaluate_degrees<1, 2>(net, a, b);
+    case 1 * 64 + 3:
+      return evaluate_degrees<1, 3>(net, a, b);
+    case 2 * 64 + 1:
+      return evaluate_degrees<2, 1>(net, a, b);
+    case 2 * 64 + 2:
+      return evaluate_degrees<2, 2>(net, a, b);
+    case 2 * 64 + 3:
+      return evaluate_degrees<2, 3>(net, a, b);
+    case 3 * 64 + 1:
+      return evaluate_degrees<3, 1>(net, a, b);
+    case 3 * 64 + 2:
+      return evaluate_degrees<3, 2>(net, a, b);
+    case 3 * 64 + 3:
+      return evaluate_degrees<3, 3>(net, a, b);
+    default:
+      return evaluate_degrees<-1, -1>(net, a, b);
   }
 }
 
@@ -111,7 +121,8 @@ void transpose(const Net& net, double* out) {
 
 Interval hull_range(const Net& net, Component numerator, Component denominator) {
   Interval range = Interval::empty();
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) range.include(p[numerator] / p[denominator]);
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4)
+    range.include(p[numerator] / p[denominator]);
   return range;
 }
 

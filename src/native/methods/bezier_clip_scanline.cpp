@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr int kBandRows = 8;            // rows handed to a thread at a time
+constexpr int kBandRows = 8;              // rows handed to a thread at a time
 constexpr std::size_t kTaskPatches = 16;  // patches handed to a thread at a time
 
 // Projects and subdivides every patch; the pieces come out in the order of faces and patches, whatever the threads.
@@ -75,8 +75,10 @@ std::vector<std::vector<const Piece*>> sort_into_bands(const std::vector<Piece>&
   const int bands = (rows + kBandRows - 1) / kBandRows;
   std::vector<std::vector<const Piece*>> result(bands);
   for (const Piece& piece : pieces) {
-    const int first = std::clamp(int(std::floor(std::clamp(piece.y.lo, -1.0, rows + 1.0)) - 1) / kBandRows, 0, bands - 1);
-    const int last = std::clamp(int(std::floor(std::clamp(piece.y.hi, -1.0, rows + 1.0)) + 1) / kBandRows, 0, bands - 1);
+    const int first =
+        std::clamp(int(std::floor(std::clamp(piece.y.lo, -1.0, rows + 1.0)) - 1) / kBandRows, 0, bands - 1);
+    const int last =
+        std::clamp(int(std::floor(std::clamp(piece.y.hi, -1.0, rows + 1.0)) + 1) / kBandRows, 0, bands - 1);
     for (int band = first; band <= last; ++band) result[band].push_back(&piece);
   }
   return result;

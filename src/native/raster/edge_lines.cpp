@@ -10,10 +10,10 @@
 namespace nofacet {
 namespace {
 
-constexpr double kFlatness = 0.05;    // pixels between the line and its chords
-constexpr double kHalfWidth = 0.6;    // pixels
+constexpr double kFlatness = 0.05;  // pixels between the line and its chords
+constexpr double kHalfWidth = 0.6;  // pixels
 constexpr double kOpacity = 0.85;
-constexpr float kLineColor = 0.01f;   // linear, all three channels
+constexpr float kLineColor = 0.01f;  // linear, all three channels
 constexpr int kMaxHalvings = 12;
 constexpr int kBandRows = 16;
 

@@ -44,7 +44,8 @@ QuotientBounds transposed_bounds(const QuotientBounds& q) { return {q.f, q.fb, q
 
 // How much halving a parameter would flatten the piece: the size of the second differences it divides.
 double curvature_along(const QuotientBounds& x, const QuotientBounds& y, bool a) {
-  const double own = a ? std::fmax(x.faa.magnitude(), y.faa.magnitude()) : std::fmax(x.fbb.magnitude(), y.fbb.magnitude());
+  const double own =
+      a ? std::fmax(x.faa.magnitude(), y.faa.magnitude()) : std::fmax(x.fbb.magnitude(), y.fbb.magnitude());
   return own + 0.5 * std::fmax(x.fab.magnitude(), y.fab.magnitude());
 }
 
@@ -176,7 +177,8 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
       return;
     }
   }
-  const double along_a = curvature_along(bounds.x, bounds.y, true), along_b = curvature_along(bounds.x, bounds.y, false);
+  const double along_a = curvature_along(bounds.x, bounds.y, true),
+               along_b = curvature_along(bounds.x, bounds.y, false);
   const double length_a = length_along(net, true), length_b = length_along(net, false);
   const bool nearly_flat = std::fmax(along_a, along_b) < 1e-2 * std::fmax(length_a, length_b);
   split(net, box, arcs, depth, nearly_flat ? length_a >= length_b : along_a >= along_b);
@@ -239,7 +241,8 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   piece.patch = patch_;
   piece.face = face_;
   piece.s0 = box.s0, piece.s1 = box.s1, piece.t0 = box.t0, piece.t1 = box.t1;
-  if (piece.kind == Piece::Kind::point) piece.depth = hull_range(net, camera_.perspective ? kW : kZ, camera_.perspective ? kZ : kW);
+  if (piece.kind == Piece::Kind::point)
+    piece.depth = hull_range(net, camera_.perspective ? kW : kZ, camera_.perspective ? kZ : kW);
   if (arcs) {
     piece.region = region_;
     if (piece.kind != Piece::Kind::point) {

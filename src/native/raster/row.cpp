@@ -7,7 +7,8 @@
 
 namespace nofacet {
 
-RowPainter::RowPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, double tie, const Frame& frame)
+RowPainter::RowPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, double tie,
+                       const Frame& frame)
     : scene_(scene), camera_(camera), planes_(planes), tie_(tie), frame_(frame) {
   const std::size_t width = frame.width;
   depth_.resize(width);
@@ -77,7 +78,8 @@ void RowPainter::solve_span(const Span& span, int row) {
     solve_sample(span, x, row + 0.5, &sample);
     warm = true;
     const double depth = camera_.depth(sample.jet.p);
-    const bool nearer = !piece_[px] || (std::fabs(depth - depth_[px]) > tie_ ? depth < depth_[px] : span.piece->face < piece_[px]->face);
+    const bool nearer = !piece_[px] || (std::fabs(depth - depth_[px]) > tie_ ? depth < depth_[px]
+                                                                             : span.piece->face < piece_[px]->face);
     if (!nearer) continue;
     depth_[px] = depth;
     sample_[px] = sample;

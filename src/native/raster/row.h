@@ -37,7 +37,7 @@ class RowPainter {
   std::vector<double> depth_;
   std::vector<SurfaceSample> sample_;
   std::vector<const Piece*> piece_;
-  std::vector<float> centre_rgb_;  // (width, 3), shade at the centre
+  std::vector<float> centre_rgb_;       // (width, 3), shade at the centre
   std::vector<double> rgb_, coverage_;  // (width, 3) and (width,): sums over the row's scan planes
 };
 

@@ -118,7 +118,8 @@ void solve_crossing(const Piece& piece, const TrimPortion& portion, double y, do
 
 class SpanWriter {
  public:
-  SpanWriter(const Piece& piece, double y, const Camera& camera, std::vector<CutPoint>& crossings, std::vector<Span>& out)
+  SpanWriter(const Piece& piece, double y, const Camera& camera, std::vector<CutPoint>& crossings,
+             std::vector<Span>& out)
       : piece_(piece), y_(y), camera_(camera), crossings_(crossings), out_(out) {
     crossings_.clear();
     for (int k = 0; k < piece.portion_count; ++k) {
@@ -153,7 +154,8 @@ class SpanWriter {
       if (!piece_.region->contains(u, v)) return;
     }
     const Interval run = piece_.depth_slope * (right.a - left.a);
-    const double nearest = std::max({piece_.depth.lo, left.depth + std::fmin(0.0, run.lo), right.depth - std::fmax(0.0, run.hi)});
+    const double nearest =
+        std::max({piece_.depth.lo, left.depth + std::fmin(0.0, run.lo), right.depth - std::fmax(0.0, run.hi)});
     out_.push_back({&piece_, y_, left.x, right.x, left.a, left.b, right.a, right.b, left.depth, right.depth, nearest});
   }
 
@@ -186,8 +188,8 @@ double cut_at(const Piece& piece, double y, double a) {
   }
   const double guess = d[0] / (d[0] - d[net.m]);
   if (net.m == 1) return guess;
-  return bracketed_newton([&](double b, double* slope) { return bernstein_value(d, net.m, b, slope); }, 0.0, 1.0, d[0] < 0,
-                          guess, 1e-15);
+  return bracketed_newton([&](double b, double* slope) { return bernstein_value(d, net.m, b, slope); }, 0.0, 1.0,
+                          d[0] < 0, guess, 1e-15);
 }
 
 void append_spans(const Piece& piece, double y, const Camera& camera, std::vector<Span>& out) {
@@ -196,7 +198,8 @@ void append_spans(const Piece& piece, double y, const Camera& camera, std::vecto
     double u, v;
     piece.face_from_local(0.5, 0.5, &u, &v);
     if (piece.region && !piece.region->contains(u, v)) return;
-    out.push_back({&piece, y, piece.x.lo, piece.x.hi, 0.5, 0.5, 0.5, 0.5, piece.depth.lo, piece.depth.lo, piece.depth.lo});
+    out.push_back(
+        {&piece, y, piece.x.lo, piece.x.hi, 0.5, 0.5, 0.5, 0.5, piece.depth.lo, piece.depth.lo, piece.depth.lo});
     return;
   }
   Stretch found[kMaxBreaks];
@@ -288,7 +291,8 @@ void solve_sample(const Span& span, double x, double y, SurfaceSample* sample) {
 double depth_at(const Span& span, double x, const Camera& camera, double* a) {
   const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
   *a = span.a0 + fraction * (span.a1 - span.a0);
-  if (span.piece->linear || fraction == 0.0 || fraction == 1.0) return span.depth0 + fraction * (span.depth1 - span.depth0);
+  if (span.piece->linear || fraction == 0.0 || fraction == 1.0)
+    return span.depth0 + fraction * (span.depth1 - span.depth0);
   SurfaceSample sample{*a, span.b0 + fraction * (span.b1 - span.b0), {}};
   solve_sample(span, x, span.y, &sample);
   *a = sample.a;

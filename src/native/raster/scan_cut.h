@@ -10,11 +10,11 @@ namespace nofacet {
 // one point of the surface.
 struct Span {
   const Piece* piece;
-  double y;           // of the scan plane
-  double x0, x1;      // pixels, x0 < x1
+  double y;               // of the scan plane
+  double x0, x1;          // pixels, x0 < x1
   double a0, b0, a1, b1;  // the piece's parameters at x0 and x1
   double depth0, depth1;  // at x0 and x1
-  double nearest;     // lower bound of the depth along the span
+  double nearest;         // lower bound of the depth along the span
 };
 
 // A point of a surface at a given place on the screen.

@@ -42,7 +42,8 @@ void surface_normal(const Piece& piece, const Camera& camera, const SurfaceSampl
   }
 }
 
-void shade(const Camera& camera, const SurfaceSample& sample, const double normal[3], const float color[4], float rgb[3]) {
+void shade(const Camera& camera, const SurfaceSample& sample, const double normal[3], const float color[4],
+           float rgb[3]) {
   double p[4], towards_eye[3] = {0.0, 0.0, -1.0};
   if (camera.perspective) {
     camera.unproject(sample.jet.p, p);

@@ -11,6 +11,7 @@ namespace nofacet {
 void surface_normal(const Piece& piece, const Camera& camera, const SurfaceSample& sample, double normal[3]);
 
 // Linear RGB of a face colour lit by a light at the eye and a soft sky; both sides are lit alike.
-void shade(const Camera& camera, const SurfaceSample& sample, const double normal[3], const float color[4], float rgb[3]);
+void shade(const Camera& camera, const SurfaceSample& sample, const double normal[3], const float color[4],
+           float rgb[3]);
 
 }  // namespace nofacet

@@ -96,13 +96,16 @@ void clip_to_slab(double lo, double hi, double first, double last, const TrimArc
 
 }  // namespace
 
-void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes, std::vector<TrimPortion>& out) {
+void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes,
+                       std::vector<TrimPortion>& out) {
   double t0 = arc.t0, t1 = arc.t1;
   const ParameterMap &u = piece.patch->u, &v = piece.patch->v;
-  clip_to_slab(u.face_from_patch(piece.s0), u.face_from_patch(piece.s1), arc.u0, arc.u1, arc,
-               [](const TrimArc& c, double x) { return c.parameter_at_u(x); }, &t0, &t1);
-  clip_to_slab(v.face_from_patch(piece.t0), v.face_from_patch(piece.t1), arc.v0, arc.v1, arc,
-               [](const TrimArc& c, double x) { return c.parameter_at_v(x); }, &t0, &t1);
+  clip_to_slab(
+      u.face_from_patch(piece.s0), u.face_from_patch(piece.s1), arc.u0, arc.u1, arc,
+      [](const TrimArc& c, double x) { return c.parameter_at_u(x); }, &t0, &t1);
+  clip_to_slab(
+      v.face_from_patch(piece.t0), v.face_from_patch(piece.t1), arc.v0, arc.v1, arc,
+      [](const TrimArc& c, double x) { return c.parameter_at_v(x); }, &t0, &t1);
   if (!(t0 < t1)) return;
   PortionFinder finder(piece, arc, planes, out);
   finder.find(finder.end(t0), finder.end(t1), 0);

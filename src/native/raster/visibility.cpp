@@ -6,7 +6,7 @@
 namespace nofacet {
 namespace {
 
-constexpr double kFinestInterval = 0.5;     // pixels
+constexpr double kFinestInterval = 0.5;      // pixels
 constexpr double kCrossingTolerance = 1e-6;  // pixels
 
 // A span's depth at one x.
