@@ -17,7 +17,7 @@ bool clearly_one_signed(Interval value, double terms) { return value.mignitude()
 
 struct CutBounds {
   bool graph = false;
-  bool regular = false, fold = false, edge_on = false;
+  bool regular = false, fold = false, sliver = false;
   double slope = 0.0;  // largest |db/da|
 };
 
@@ -30,8 +30,8 @@ CutBounds bound_cut(const QuotientBounds& x, const QuotientBounds& y) {
   cut.slope = m.magnitude();
   const Interval first = x.fa + m * x.fb;
   cut.regular = clearly_one_signed(first, x.fa.magnitude() + m.magnitude() * x.fb.magnitude());
-  cut.edge_on = first.magnitude() < kNegligiblePixels;
-  if (cut.regular || cut.edge_on) return cut;
+  cut.sliver = first.magnitude() < kSliverPixels;
+  if (cut.regular || cut.sliver) return cut;
   // x'' along the cut: (x_aa - r y_aa) + 2 m (x_ab - r y_ab) + m^2 (x_bb - r y_bb), r = x_b / y_b.
   const Interval r = x.fb / y.fb;
   const Interval aa = x.faa - r * y.faa, ab = x.fab - r * y.fab, bb = x.fbb - r * y.fbb;
@@ -153,15 +153,12 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   if (!planes_.any_in(y.lo, y.hi)) return;
   const NetBounds bounds(net);
   Piece piece{};
-  bool edge_on = false;
-  if (certify(net, bounds, &piece, &edge_on)) {
+  if (certify(net, bounds, &piece)) {
     const bool small = bounds.x.f.width() <= kLargestPiece && y.width() <= kLargestPiece;
     if (small || piece.linear) {
       emit(piece, net, box, arcs);
       return;
     }
-  } else if (edge_on) {
-    return;  // no cut of it is as wide as kNegligiblePixels
   } else {
     const bool narrow = bounds.x.f.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
     if (narrow && low) {
@@ -201,16 +198,21 @@ void PieceBuilder::split(const Net& net, const Box& box, const Arcs* arcs, int d
   subdivide({net.n, net.m, right}, second, arcs, depth + 1);
 }
 
-bool PieceBuilder::certify(const Net& net, const NetBounds& bounds, Piece* piece, bool* edge_on) const {
+bool PieceBuilder::certify(const Net& net, const NetBounds& bounds, Piece* piece) const {
   const QuotientBounds xt = transposed_bounds(bounds.x), yt = transposed_bounds(bounds.y);
   const CutBounds straight = bound_cut(bounds.x, bounds.y), turned = bound_cut(xt, yt);
-  *edge_on = straight.edge_on || turned.edge_on;
-  if (*edge_on) return false;
-  const bool regular = straight.regular || turned.regular;
-  if (!regular && !straight.fold && !turned.fold) return false;
-  const bool can_straight = regular ? straight.regular : straight.fold;
-  const bool can_turned = regular ? turned.regular : turned.fold;
-  piece->kind = regular ? Piece::Kind::regular : Piece::Kind::fold;
+  using Kind = Piece::Kind;
+  Kind kind = Kind::point;
+  bool can_straight = false, can_turned = false;
+  auto offer = [&](Kind offered, bool in_straight, bool in_turned) {
+    if (kind != Kind::point || !(in_straight || in_turned)) return;
+    kind = offered, can_straight = in_straight, can_turned = in_turned;
+  };
+  offer(Kind::regular, straight.regular, turned.regular);
+  offer(Kind::sliver, straight.sliver, turned.sliver);
+  offer(Kind::fold, straight.fold, turned.fold);
+  if (kind == Kind::point) return false;
+  piece->kind = kind;
   piece->transposed = can_turned && (!can_straight || turned.slope < straight.slope);
   piece->x = bounds.x.f;
   piece->y = bounds.y.f;

@@ -22,6 +22,11 @@ namespace nofacet {
 // drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
 inline constexpr double kNegligiblePixels = 1e-9;
 
+// A surface seen edge-on to within this (pixels of x along any one cut) is a sliver: its cuts are drawn from end to end
+// without asking which way x moves in between, which moves no point of it by more than this. Likewise a trim curve that
+// is level to within this. Real files are full of walls that are edge-on up to the digits the file was written with.
+inline constexpr double kSliverPixels = 1e-6;
+
 // A part of a trim arc inside one piece, along which the screen y moves one way only.
 struct TrimPortion {
   const TrimArc* arc;
@@ -30,7 +35,7 @@ struct TrimPortion {
 };
 
 struct Piece {
-  enum class Kind : uint8_t { regular, fold, point };
+  enum class Kind : uint8_t { regular, fold, sliver, point };
 
   Net net;  // a = the patch's s and b = its t, or the other way round if transposed
   const Scene::PatchRef* patch;
@@ -79,7 +84,7 @@ class PieceBuilder {
 
   void subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth);
   void split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a);
-  bool certify(const Net& net, const NetBounds& bounds, Piece* piece, bool* edge_on) const;
+  bool certify(const Net& net, const NetBounds& bounds, Piece* piece) const;
   bool behind_or_outside(const Net& net) const;
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
   void add_portions(const Piece& piece, const TrimArc& arc);

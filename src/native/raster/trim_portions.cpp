@@ -3,7 +3,7 @@
 namespace nofacet {
 namespace {
 
-constexpr int kMaxHalvings = 60;
+constexpr int kMaxHalvings = 40;
 
 // Bounds of ds/du over an interval of u: for an angle the slope is smallest in the middle of the arc.
 Interval slope_range(const ParameterMap& map, Interval u) {
@@ -39,22 +39,24 @@ class PortionFinder {
     Interval db = dv * slope_range(piece_.patch->v, ordered(from.v, to.v)) * (1.0 / (piece_.t1 - piece_.t0));
     if (piece_.transposed) std::swap(da, db);
     const Interval a = ordered(from.a, to.a), b = ordered(from.b, to.b);
-    bool monotone = (whole_.y.fa * da + whole_.y.fb * db).one_signed();
-    if (!monotone) {
+    Interval slope = whole_.y.fa * da + whole_.y.fb * db;  // dy/dt
+    if (!slope.one_signed()) {
       const NetBounds part(restricted(a, b));
       if (!planes_.any_in(part.y.f.lo, part.y.f.hi)) return;
       // Derivatives of the restricted net are by its own parameters.
-      const Interval ya = part.y.fa * (1.0 / a_width_), yb = part.y.fb * (1.0 / b_width_);
-      monotone = (ya * da + yb * db).one_signed();
+      slope = intersect(slope, part.y.fa * (1.0 / a_width_) * da + part.y.fb * (1.0 / b_width_) * db);
     }
-    if (monotone || halvings >= kMaxHalvings) {
-      if (planes_.any_in(std::fmin(from.y, to.y), std::fmax(from.y, to.y))) {
-        out_.push_back({&arc_, from.t, to.t, from.y, to.y});
-      }
+    // Mean value bounds of y, from both ends.
+    const Interval run = slope * (to.t - from.t);
+    const Interval range = intersect({from.y + std::fmin(0.0, run.lo), from.y + std::fmax(0.0, run.hi)},
+                                     {to.y - std::fmax(0.0, run.hi), to.y - std::fmin(0.0, run.lo)});
+    if (!planes_.any_in(range.lo, range.hi)) return;
+    // A portion that is level to within kSliverPixels may be taken for monotone: that moves it by no more.
+    if (slope.one_signed() || run.magnitude() < kSliverPixels || halvings >= kMaxHalvings) {
+      out_.push_back({&arc_, from.t, to.t, from.y, to.y});
       return;
     }
     const End middle = end(0.5 * (from.t + to.t));
-    if (a.width() < 1e-13 && b.width() < 1e-13) halvings = kMaxHalvings;
     find(from, middle, halvings + 1);
     find(middle, to, halvings + 1);
   }
