@@ -116,7 +116,8 @@ def check_values(solid: Solid, centre: Array, frame: nofacet.Frame, rounding: fl
         depths, normals = (values[:, 0] for values in neighbours(*at))
         where = f"pixel ({columns[k]}, {rows[k]}) of {solid.name}: depth {shown[k]}, true {depth[k]}"
         if wrong[k]:
-            assert depths.min() <= shown[k] <= depths.max(), where
+            bar = DEPTH_BAR * solid.size  # the nearest of all points may lie between the eight tried
+            assert depths.min() - bar <= shown[k] <= depths.max() + bar, where
         spread = np.linalg.norm((normals - normals[0]).astype(float), axis=1).max()
         if turned[k]:
             assert spread > NORMAL_BAR, f"{where}: normal {shown_normal[k]}, true {normal[k]}"
