@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 import nofacet
+from nofacet.camera import Projection
 
 RESOLUTION = (160, 120)
 
 
-def fit(model: nofacet.Model, direction: tuple[float, float, float], **options: object) -> nofacet.Camera:
-    return nofacet.Camera.fit(model, direction=direction, resolution=RESOLUTION, **options)
+def fit(model: nofacet.Model, direction: tuple[float, float, float], projection: Projection = "orthographic") -> nofacet.Camera:
+    return nofacet.Camera.fit(model, direction=direction, projection=projection, resolution=RESOLUTION)
 
 
 @pytest.mark.parametrize("direction", [*itertools.product((-1, 1), (-0.7, 0.7), (-0.5, 0.5))])
