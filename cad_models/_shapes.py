@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import tempfile
 from collections.abc import Iterable
@@ -9,12 +10,12 @@ from pathlib import Path
 
 import cadquery as cq
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from OCP.BRep import BRep_Builder, BRep_Tool
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
-from OCP.Geom import Geom_BezierSurface, Geom_BSplineSurface, Geom_Surface
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace
+from OCP.Geom import Geom_BezierSurface, Geom_BSplineCurve, Geom_BSplineSurface, Geom_Surface
 from OCP.gp import gp_Pnt
-from OCP.TColgp import TColgp_Array2OfPnt
+from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
 from OCP.TopoDS import TopoDS_Shell
 
@@ -28,7 +29,8 @@ def write_step(assembly: cq.Assembly, path: Path, pcurves: bool = True) -> Path:
     """Write `assembly` to `path`; the same assembly always gives the same bytes.
 
     OpenCascade puts the present time and the path into the header and orders colours by memory address; all are
-    replaced. `pcurves=False` leaves out the trim curves in (u, v) and lets the reader rebuild them.
+    replaced. Coordinates are rounded to 1e-9 mm, a hundredth of OpenCascade's tolerance. `pcurves=False` leaves out
+    the trim curves in (u, v) and lets the reader rebuild them.
     """
     with tempfile.TemporaryDirectory() as folder:
         raw = Path(folder) / "raw.step"
@@ -38,9 +40,18 @@ def write_step(assembly: cq.Assembly, path: Path, pcurves: bool = True) -> Path:
     head, data = text.split("DATA;\n", 1)
     data, tail = data.split("ENDSEC;\n", 1)
     entities = {int(n): re.sub(r"\n\s*", "", body) for n, body in re.findall(r"#(\d+) = (.*?);\n", data, re.DOTALL)}
-    lines = [f"#{n} = {body};\n" for n, body in order_colors(share_equal_entities(entities)).items()]
+    usages = itertools.count(1)  # OpenCascade numbers the parts of all assemblies of a process
+    text_of_usage = re.compile(r"(?<=^NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+")
+    entities = {n: text_of_usage.sub(lambda _: str(next(usages)), body) for n, body in entities.items()}
+    entities = {n: rounded(body) if body.startswith("CARTESIAN") else body for n, body in entities.items()}
+    lines = [f"#{n}={body};\n" for n, body in order_colors(share_equal_entities(entities)).items()]
     path.write_text(head + "DATA;\n" + "".join(lines) + "ENDSEC;\n" + tail)
     return path
+
+
+def rounded(body: str) -> str:
+    """A STEP entity with its numbers rounded to nine decimals."""
+    return re.sub(r"-?\d+\.\d*(E[+-]\d+)?", lambda match: f"{round(float(match[0]), 9) + 0.0:.9f}".rstrip("0"), body)
 
 
 def share_equal_entities(entities: dict[int, str]) -> dict[int, str]:
@@ -124,6 +135,14 @@ def bspline_surface(
     return Geom_BSplineSurface(points_array(grid), knots_u, knots_v, mults_u, mults_v, 3, 3, *closed)
 
 
+def closed_spline(points: ArrayLike) -> cq.Edge:
+    """The uniform periodic cubic B-spline curve with control points of shape (n, 3), in mm."""
+    array = TColgp_Array1OfPnt(1, len(np.asarray(points)))
+    for i, point in enumerate(np.asarray(points, dtype=float), 1):
+        array.SetValue(i, gp_Pnt(*map(float, point)))
+    return cq.Edge(BRepBuilderAPI_MakeEdge(Geom_BSplineCurve(array, *_knots(array.Length(), True, 1), 3, True)).Edge())
+
+
 def _knots(count: int, closed: bool, multiplicity: int) -> tuple[TColStd_Array1OfReal, TColStd_Array1OfInteger]:
     """Knots 0, 1, 2 ... and multiplicities of a cubic with `count` control points."""
     spans, rest = divmod(count if closed else count - 4 + multiplicity, multiplicity)
@@ -177,3 +196,21 @@ def hull(sections: ArrayLike, first: ArrayLike, last: ArrayLike) -> cq.Solid:
     ends = [np.broadcast_to(np.asarray(end, dtype=float), rings[:1].shape) for end in (first, last)]
     net = np.concatenate([ends[0], rings, ends[1]]).swapaxes(0, 1)
     return solid(face(bspline_surface(net, closed=(True, False))))
+
+
+def rings_along_x(sections: ArrayLike, around: int, square: float) -> NDArray[np.float64]:
+    """(m, around, 3) control rings from sections (x, height of the middle, half width, half height), in mm.
+
+    `square` is 0 for elliptic sections and goes towards 1 for rectangles.
+    """
+    angle = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    across, up = (np.sign(c) * np.abs(c) ** (1 - square) for c in (np.cos(angle), np.sin(angle)))
+    x, middle, half_width, half_height = np.asarray(sections, dtype=float).T[:, :, None]
+    return np.round(np.stack([x + 0 * angle, half_width * across, middle + half_height * up], axis=-1), 4)
+
+
+def pill(length: float, width: float, height: float) -> cq.Solid:
+    """A smooth flattened ball of this size about the origin, its poles on the x axis."""
+    shares = [(-0.5, 0.4), (-0.5, 1.0), (0.0, 1.2), (0.5, 1.0), (0.5, 0.4)]
+    rings = rings_along_x([(s * length, 0, r * width / 2, r * height / 2) for s, r in shares], 12, 0.0)
+    return hull(rings, (-length / 2, 0, 0), (length / 2, 0, 0))

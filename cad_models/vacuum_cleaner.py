@@ -7,10 +7,8 @@ B-spline surface inside a trim loop.
 from __future__ import annotations
 
 import cadquery as cq
-import numpy as np
-from numpy.typing import NDArray
 
-from _shapes import FOLDER, hull, write_step
+from _shapes import FOLDER, hull, pill, rings_along_x, write_step
 
 # Sections along x in mm: x, height of the middle, half width, half height.
 SECTIONS = [
@@ -25,20 +23,6 @@ SECTIONS = [
     (150.0, -13.0, 36.0, 12.0),
     (152.0, -13.0, 14.0, 5.0),
 ]
-AROUND = 16
-SQUARE = 0.35  # 0: elliptic sections, towards 1: rectangles
-
-
-def sections() -> NDArray[np.float64]:
-    """(m, AROUND, 3) control rings of the hull."""
-    angle = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
-    cos, sin = np.cos(angle), np.sin(angle)
-    across, up = (np.sign(c) * np.abs(c) ** (1 - SQUARE) for c in (cos, sin))
-    rings = [
-        np.stack([np.full(AROUND, x), half_width * across, middle + half_height * up], axis=-1)
-        for x, middle, half_width, half_height in SECTIONS
-    ]
-    return np.round(np.array(rings), 4)
 
 
 def side() -> cq.Workplane:
@@ -48,7 +32,9 @@ def side() -> cq.Workplane:
 
 def build() -> cq.Assembly:
     """Body, dust box and switch as solids of their own colours."""
-    whole = cq.Workplane("XY").newObject([hull(sections(), (-118.0, 0, 18.0), (152.0, 0, -13.0))])
+    whole = cq.Workplane("XY").newObject(
+        [hull(rings_along_x(SECTIONS, 16, 0.35), (-118.0, 0, 18.0), (152.0, 0, -13.0))]
+    )
     grip = side().spline(
         [(-90, 36), (-66, 55), (-32, 58), (-4, 48), (4, 30), (-16, 18), (-48, 12), (-80, 18)], periodic=True
     )
@@ -61,18 +47,12 @@ def build() -> cq.Assembly:
 
     whole = whole.cut(grip).cut(mouth).cut(duct)
     front, back = whole.intersect(box), whole.cut(box).cut(vents)
-    angle = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    rings = [
-        np.stack([9 * r * np.cos(angle), 5 * r * np.sin(angle), np.full(12, z)], axis=-1)
-        for r, z in [(0.4, -5.0), (1, -5.0), (1.1, 0.0), (1, 5.0), (0.4, 5.0)]
-    ]
-    switch = hull(rings, (0, 0, -5.0), (0, 0, 5.0))
 
     cleaner = cq.Assembly(name="vacuum_cleaner")
     cleaner.add(back.val(), name="body", color=cq.Color(0.72, 0.08, 0.10))
     cleaner.add(front.val(), name="dust_box", color=cq.Color(0.28, 0.30, 0.34))
-    place = cq.Location(cq.Vector(-20, 0, 72.5), cq.Vector(0, 1, 0), 8)
-    cleaner.add(switch, name="switch", loc=place, color=cq.Color(0.85, 0.85, 0.82))
+    place = cq.Location(cq.Vector(-20, 0, 72), cq.Vector(0, 1, 0), 8)
+    cleaner.add(pill(20, 11, 8), name="switch", loc=place, color=cq.Color(0.85, 0.85, 0.82))
     return cleaner
 
 
