@@ -12,7 +12,9 @@ from nofacet.camera import Projection
 RESOLUTION = (160, 120)
 
 
-def fit(model: nofacet.Model, direction: tuple[float, float, float], projection: Projection = "orthographic") -> nofacet.Camera:
+def fit(
+    model: nofacet.Model, direction: tuple[float, float, float], projection: Projection = "orthographic"
+) -> nofacet.Camera:
     return nofacet.Camera.fit(model, direction=direction, projection=projection, resolution=RESOLUTION)
 
 

@@ -16,6 +16,7 @@ RowPainter::RowPainter(const Scene& scene, const Camera& camera, const ScanPlane
   piece_.resize(width);
   centre_rgb_.resize(3 * width);
   rgb_.resize(3 * width);
+  alpha_.resize(width);
   coverage_.resize(width);
 }
 
@@ -28,6 +29,7 @@ void RowPainter::paint(int row, const std::vector<const Piece*>& pieces) {
   }
   if (!frame_.color && !frame_.coverage) return;
   std::fill(rgb_.begin(), rgb_.end(), 0.0);
+  std::fill(alpha_.begin(), alpha_.end(), 0.0);
   std::fill(coverage_.begin(), coverage_.end(), 0.0);
   int counted = 0;
   for (int k = 0; k < planes_.per_row(); ++k) counted += planes_.counts(k);
@@ -35,8 +37,13 @@ void RowPainter::paint(int row, const std::vector<const Piece*>& pieces) {
     if (!planes_.counts(k)) continue;
     const bool already_cut = k == planes_.centre() && planes_.per_row() == 1;
     if (!already_cut) intersect_scan_plane(pieces, planes_.y(row, k));
+    separate_transparent();
     resolve_visibility(spans_, camera_, tie_, segments_);
-    for (const VisibleSegment& segment : segments_) accumulate(segment, 1.0 / counted);
+    if (transparent_.empty()) {
+      for (const VisibleSegment& segment : segments_) accumulate(segment, 1.0 / counted);
+    } else {
+      accumulate_layers(1.0 / counted);
+    }
   }
   write_color(row);
 }
@@ -112,35 +119,95 @@ void RowPainter::write_values(int row) {
   }
 }
 
-void RowPainter::fragment_color(const VisibleSegment& segment, double x, float rgb[3]) {
-  const Span& span = *segment.span;
+// The shade varies little inside a pixel: where the pixel's centre shows the same opaque face its shade serves, else
+// the fragment's own is evaluated (a transparent face may show its front and its back in one pixel).
+void RowPainter::fragment_color(const Span& span, double x, int px, float rgb[3]) {
+  const float* color = scene_.model.face_color + 4 * std::size_t(span.piece->face);
+  if (piece_[px] && piece_[px]->face == span.piece->face && color[3] >= 1.0f) {
+    std::copy_n(centre_rgb_.data() + 3 * px, 3, rgb);
+    return;
+  }
   const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
   SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
   solve_sample(span, x, span.y, &sample);
   double n[3];
   surface_normal(*span.piece, camera_, sample, n);
-  shade(camera_, sample, n, scene_.model.face_color + 4 * std::size_t(span.piece->face), rgb);
+  shade(camera_, sample, n, color, rgb);
 }
 
-// Adds a visible segment to the pixels it runs through, weighted by the length inside each. The shade varies little
-// inside a pixel: where the pixel's centre shows the same face its shade serves, else the fragment's own is evaluated.
+namespace {
+
+// Calls add(px, from, to) for each pixel that [x0, x1] runs through.
+template <class Add>
+void for_each_pixel(double x0, double x1, int width, Add&& add) {
+  const int last = std::min(width - 1, int(std::ceil(x1)) - 1);
+  for (int px = std::max(0, int(std::floor(x0))); px <= last; ++px) {
+    const double from = std::fmax(x0, px), to = std::fmin(x1, px + 1.0);
+    if (from < to) add(px, from, to);
+  }
+}
+
+}  // namespace
+
 void RowPainter::accumulate(const VisibleSegment& segment, double weight) {
-  const int last = std::min(frame_.width - 1, int(std::ceil(segment.x1)) - 1);
-  for (int px = std::max(0, int(std::floor(segment.x0))); px <= last; ++px) {
-    const double from = std::fmax(segment.x0, px), to = std::fmin(segment.x1, px + 1.0);
-    if (!(from < to)) continue;
+  for_each_pixel(segment.x0, segment.x1, frame_.width, [&](int px, double from, double to) {
     const double area = weight * (to - from);
     coverage_[px] += area;
-    if (!frame_.color) continue;
-    float own[3];
-    const float* rgb = own;
-    if (piece_[px] && piece_[px]->face == segment.span->piece->face) {
-      rgb = centre_rgb_.data() + 3 * px;
-    } else {
-      fragment_color(segment, 0.5 * (from + to), own);
-    }
+    alpha_[px] += area;
+    if (!frame_.color) return;
+    float rgb[3];
+    fragment_color(*segment.span, 0.5 * (from + to), px, rgb);
     for (int c = 0; c < 3; ++c) rgb_[3 * px + c] += area * rgb[c];
+  });
+}
+
+void RowPainter::separate_transparent() {
+  const float* color = scene_.model.face_color;
+  const auto opaque = [&](const Span& span) { return color[4 * std::size_t(span.piece->face) + 3] >= 1.0f; };
+  const auto middle = std::stable_partition(spans_.begin(), spans_.end(), opaque);
+  transparent_.assign(middle, spans_.end());
+  spans_.erase(middle, spans_.end());
+}
+
+// Between neighbouring ends of segments and veils the same surfaces lie over each other all along.
+void RowPainter::accumulate_layers(double weight) {
+  veils_.clear();
+  for (const Span& span : transparent_) visible_parts(span, segments_, camera_, tie_, veils_);
+  borders_.clear();
+  for (const auto* list : {&segments_, &veils_}) {
+    for (const VisibleSegment& segment : *list) borders_.insert(borders_.end(), {segment.x0, segment.x1});
   }
+  std::sort(borders_.begin(), borders_.end());
+  for (std::size_t k = 1; k < borders_.size(); ++k) {
+    if (borders_[k - 1] < borders_[k]) add_layers(borders_[k - 1], borders_[k], weight);
+  }
+}
+
+void RowPainter::add_layers(double x0, double x1, double weight) {
+  const double middle = 0.5 * (x0 + x1);
+  layers_.clear();
+  for (const auto* list : {&segments_, &veils_}) {
+    for (const VisibleSegment& segment : *list) {
+      double a;
+      if (segment.x0 <= x0 && segment.x1 >= x1)
+        layers_.push_back({depth_at(*segment.span, middle, camera_, &a), segment.span});
+    }
+  }
+  std::stable_sort(layers_.begin(), layers_.end(), [](const Layer& p, const Layer& q) { return p.depth < q.depth; });
+  if (layers_.empty()) return;
+  for_each_pixel(x0, x1, frame_.width, [&](int px, double from, double to) {
+    const double area = weight * (to - from);
+    coverage_[px] += area;
+    double light = area;  // what still passes through the layers so far
+    for (const Layer& layer : layers_) {
+      const double opacity = scene_.model.face_color[4 * std::size_t(layer.span->piece->face) + 3];
+      float rgb[3] = {0, 0, 0};
+      if (frame_.color) fragment_color(*layer.span, 0.5 * (from + to), px, rgb);
+      for (int c = 0; c < 3; ++c) rgb_[3 * px + c] += light * opacity * rgb[c];
+      light *= 1.0 - opacity;
+    }
+    alpha_[px] += area - light;
+  });
 }
 
 void RowPainter::write_color(int row) {
@@ -151,7 +218,7 @@ void RowPainter::write_color(int row) {
     if (frame_.coverage) frame_.coverage[k] = coverage;
     if (!frame_.color) continue;
     for (int c = 0; c < 3; ++c) frame_.color[4 * k + c] = float(rgb_[3 * px + c]);
-    frame_.color[4 * k + 3] = coverage;
+    frame_.color[4 * k + 3] = float(std::fmin(1.0, alpha_[px]));
   }
 }
 

@@ -21,8 +21,11 @@ class RowPainter {
   void solve_values(int row);
   void solve_span(const Span& span, int row);
   void write_values(int row);
+  void separate_transparent();
   void accumulate(const VisibleSegment& segment, double weight);
-  void fragment_color(const VisibleSegment& segment, double x, float rgb[3]);
+  void accumulate_layers(double weight);
+  void add_layers(double x0, double x1, double weight);
+  void fragment_color(const Span& span, double x, int px, float rgb[3]);
   void write_color(int row);
 
   const Scene& scene_;
@@ -31,14 +34,22 @@ class RowPainter {
   double tie_;
   const Frame& frame_;
 
-  std::vector<Span> spans_;
-  std::vector<VisibleSegment> segments_;
+  std::vector<Span> spans_, transparent_;
+  std::vector<VisibleSegment> segments_;  // of the nearest opaque faces
+  std::vector<VisibleSegment> veils_;     // of transparent faces before them, in any order
+  std::vector<double> borders_;           // x of the ends of both
+  struct Layer {
+    double depth;
+    const Span* span;
+  };
+  std::vector<Layer> layers_;
   // Per pixel of the row: what is visible at its centre.
   std::vector<double> depth_;
   std::vector<SurfaceSample> sample_;
   std::vector<const Piece*> piece_;
-  std::vector<float> centre_rgb_;       // (width, 3), shade at the centre
-  std::vector<double> rgb_, coverage_;  // (width, 3) and (width,): sums over the row's scan planes
+  std::vector<float> centre_rgb_;  // (width, 3), shade at the centre
+  // Sums over the row's scan planes: (width, 3), (width,) and (width,).
+  std::vector<double> rgb_, alpha_, coverage_;
 };
 
 }  // namespace nofacet

@@ -20,42 +20,58 @@ class Line {
       : camera_(camera), tie_(tie), segments_(segments) {}
 
   void insert(const Span& span) {
+    const Range old = merge(span);
+    if (!shown_) return;
+    const std::ptrdiff_t count = old.last - old.first, size = std::ptrdiff_t(merged_.size());
+    const auto first = segments_.begin() + old.first;
+    if (size > count) {
+      segments_.insert(first, size - count, {});
+    } else {
+      segments_.erase(first, first + (count - size));
+    }
+    std::copy(merged_.begin(), merged_.end(), segments_.begin() + old.first);
+  }
+
+  void append_shown(const Span& span, std::vector<VisibleSegment>& out) {
+    merge(span);
+    for (const VisibleSegment& segment : merged_) {
+      if (segment.span == &span) out.push_back(segment);
+    }
+  }
+
+ private:
+  struct Range {
+    std::ptrdiff_t first, last;
+  };
+
+  // Writes to merged_ what replaces the segments that the span overlaps, and to shown_ whether it is in it.
+  Range merge(const Span& span) {
     double cursor = std::fmax(span.x0, 0.0);
     const double end = std::fmin(span.x1, double(camera_.width));
-    auto first = std::upper_bound(segments_.begin(), segments_.end(), cursor,
-                                  [](double x, const VisibleSegment& s) { return x < s.x1; });
+    const auto first = std::upper_bound(segments_.begin(), segments_.end(), cursor,
+                                        [](double x, const VisibleSegment& s) { return x < s.x1; });
     merged_.clear();
-    bool shown = false;
+    shown_ = false;
     auto it = first;
     for (; it != segments_.end() && it->x0 < end; ++it) {
       if (cursor < it->x0) {
         push(cursor, it->x0, &span);
-        shown = true;
+        shown_ = true;
         cursor = it->x0;
       }
       push(it->x0, cursor, it->span);
       const double overlap_end = std::fmin(it->x1, end);
-      shown |= compare(span, *it->span, cursor, overlap_end);
+      shown_ |= compare(span, *it->span, cursor, overlap_end);
       push(overlap_end, it->x1, it->span);
       cursor = overlap_end;
     }
     if (cursor < end) {
       push(cursor, end, &span);
-      shown = true;
+      shown_ = true;
     }
-    if (!shown) return;
-    const auto at = first - segments_.begin();
-    const auto old = it - first;
-    const auto size = std::ptrdiff_t(merged_.size());
-    if (size > old) {
-      segments_.insert(it, size - old, {});
-    } else {
-      segments_.erase(first + size, it);
-    }
-    std::copy(merged_.begin(), merged_.end(), segments_.begin() + at);
+    return {first - segments_.begin(), it - segments_.begin()};
   }
 
- private:
   void push(double x0, double x1, const Span* span) {
     if (!(x0 < x1)) return;
     if (!merged_.empty() && merged_.back().span == span && merged_.back().x1 == x0) {
@@ -143,6 +159,7 @@ class Line {
   double tie_;
   std::vector<VisibleSegment>& segments_;
   std::vector<VisibleSegment> merged_;
+  bool shown_ = false;
 };
 
 }  // namespace
@@ -154,6 +171,11 @@ void resolve_visibility(std::vector<Span>& spans, const Camera& camera, double t
   std::stable_sort(spans.begin(), spans.end(), [](const Span& p, const Span& q) { return p.nearest < q.nearest; });
   Line line(camera, tie, out);
   for (const Span& span : spans) line.insert(span);
+}
+
+void visible_parts(const Span& span, std::vector<VisibleSegment>& segments, const Camera& camera, double tie,
+                   std::vector<VisibleSegment>& out) {
+  Line(camera, tie, segments).append_shown(span, out);
 }
 
 }  // namespace nofacet

@@ -19,4 +19,8 @@ struct VisibleSegment {
 // to 1e-6 px; a second crossing of the same two spans within half a pixel of a scan plane may be missed.
 void resolve_visibility(std::vector<Span>& spans, const Camera& camera, double tie, std::vector<VisibleSegment>& out);
 
+// Appends the stretches of `span` that none of `segments` hides: how a transparent face lies before opaque ones.
+void visible_parts(const Span& span, std::vector<VisibleSegment>& segments, const Camera& camera, double tie,
+                   std::vector<VisibleSegment>& out);
+
 }  // namespace nofacet
