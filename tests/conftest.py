@@ -41,7 +41,7 @@ def model_of(groups: list[PatchGroup], loops: dict[int, list[np.ndarray]] | None
         face_placement=np.zeros(definitions, np.int32),
         placements=np.eye(4)[None],
         face_outward=np.ones(definitions, np.int8),
-        face_color=np.full((definitions, 4), 0.5, np.float32),
+        face_color=np.tile(np.array([0.5, 0.5, 0.5, 1.0], np.float32), (definitions, 1)),
         face_name=[""] * definitions,
     )
 

@@ -1,0 +1,48 @@
+"""Transparent faces: layers over each other, nearest first, over whatever is opaque."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import nofacet
+from scenes import look_down, rectangle, together
+
+RESOLUTION = (40, 30)
+
+
+def stacked(*colors: tuple[float, float, float, float]) -> nofacet.Model:
+    """Rectangles of 4 x 3 over each other, the first one nearest to an eye above."""
+    sheets = [rectangle(0, 0, 4, 3, z=-k) for k in range(len(colors))]
+    return replace(together(*sheets), face_color=np.array(colors, np.float32))
+
+
+def colour_of(model: nofacet.Model) -> np.ndarray:
+    frame = nofacet.render(model, look_down(3, centre=(2, 1.5, 0)), RESOLUTION, samples=4)
+    np.testing.assert_array_equal(frame.coverage, np.float32(1))
+    assert np.ptp(frame.color, axis=(0, 1)).max() < 1e-6  # orthographic, flat: one colour everywhere
+    return np.asarray(frame.color[15, 20], np.float64)
+
+
+RED, GREEN, BLUE = (0.8, 0.1, 0.1), (0.1, 0.8, 0.1), (0.1, 0.1, 0.8)
+
+
+def test_layers_are_composed_nearest_first() -> None:
+    opaque = {rgb: colour_of(stacked((*rgb, 1.0)))[:3] for rgb in (RED, GREEN, BLUE)}
+    pixel = colour_of(stacked((*RED, 0.25), (*GREEN, 0.5), (*BLUE, 1.0)))
+    expected = 0.25 * opaque[RED] + 0.75 * 0.5 * opaque[GREEN] + 0.75 * 0.5 * opaque[BLUE]
+    np.testing.assert_allclose(pixel, [*expected, 1.0], atol=1e-6)
+
+
+def test_alpha_of_transparent_faces_alone() -> None:
+    assert colour_of(stacked((*RED, 0.25), (*GREEN, 0.5)))[3] == pytest.approx(1 - 0.75 * 0.5, abs=1e-6)
+
+
+def test_transparent_face_behind_an_opaque_one_is_hidden() -> None:
+    assert colour_of(stacked((*BLUE, 1.0), (*RED, 0.25))) == pytest.approx(colour_of(stacked((*BLUE, 1.0))), abs=1e-6)
+
+
+def test_values_are_of_the_nearest_face_even_if_transparent() -> None:
+    frame = nofacet.render(stacked((*RED, 0.25), (*BLUE, 1.0)), look_down(3, centre=(2, 1.5, 0)), RESOLUTION)
+    assert (frame.face == 0).all()
+    np.testing.assert_allclose(frame.depth, 10.0, atol=1e-12)
