@@ -1,5 +1,6 @@
 // Univariate polynomials in Bernstein form: evaluation, subdivision, and all roots by Bezier clipping.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -112,10 +113,14 @@ inline int sign_variations(const double* c, int n) {
   return count;
 }
 
+// A Newton step this small (in units of the bracket) is the last: at a simple root the error is its square.
+inline constexpr double kLastNewtonStep = 1e-10;
+
 // The root inside [lo, hi] of a function with opposite signs there: Newton kept inside the bracket, else bisection.
-// f(t, &slope) returns the value. Stops when the step is below `tolerance` in t.
+// f(t, &slope) returns the value. Simple roots are found to rounding, multiple ones to 1e-10 of the bracket.
 template <class F>
-double bracketed_newton(F&& f, double lo, double hi, bool rising, double guess, double tolerance) {
+double bracketed_newton(F&& f, double lo, double hi, bool rising, double guess) {
+  const double last_step = kLastNewtonStep * (hi - lo), resolution = 1e-16 * std::max(std::fabs(lo), std::fabs(hi));
   double t = guess > lo && guess < hi ? guess : 0.5 * (lo + hi);
   double last_width = hi - lo;
   for (int iteration = 0; iteration < 100; ++iteration) {
@@ -124,12 +129,13 @@ double bracketed_newton(F&& f, double lo, double hi, bool rising, double guess, 
     if (value == 0.0) return t;
     ((value < 0) == rising ? lo : hi) = t;
     double next = t - value / slope;
-    // Newton must stay inside and shrink the bracket or its own step quickly; otherwise bisect.
-    if (!(next > lo && next < hi) || (iteration > 8 && hi - lo > 0.5 * last_width)) next = 0.5 * (lo + hi);
+    // Newton must stay inside the bracket and shrink it, or end soon; otherwise bisect.
+    const bool newton = next > lo && next < hi && (iteration <= 8 || hi - lo <= 0.5 * last_width);
+    if (newton && std::fabs(next - t) <= last_step) return next;
+    if (!newton) next = 0.5 * (lo + hi);
+    if (hi - lo <= resolution) return next;
     last_width = hi - lo;
-    const double step = std::fabs(next - t);
     t = next;
-    if (step <= tolerance || hi - lo <= tolerance) return t;
   }
   return t;
 }
@@ -140,14 +146,14 @@ inline bool hull_clip(const double* c, int n, double* t_min, double* t_max) {
   double lo = 2.0, hi = -1.0;
   for (int i = 0; i <= n; ++i) {
     if (c[i] == 0.0) {
-      lo = std::fmin(lo, double(i) / n);
-      hi = std::fmax(hi, double(i) / n);
+      lo = std::min(lo, double(i) / n);
+      hi = std::max(hi, double(i) / n);
     }
     for (int k = i + 1; k <= n; ++k) {
       if ((c[i] < 0) == (c[k] < 0)) continue;
       const double t = (i + (k - i) * (c[i] / (c[i] - c[k]))) / n;
-      lo = std::fmin(lo, t);
-      hi = std::fmax(hi, t);
+      lo = std::min(lo, t);
+      hi = std::max(hi, t);
     }
   }
   *t_min = lo;
@@ -156,7 +162,7 @@ inline bool hull_clip(const double* c, int n, double* t_min, double* t_max) {
 }
 
 // All roots in [0, 1] at which the polynomial changes sign, ascending. `roots` must hold n values. Returns their
-// number. Roots are found to about 1e-15 of the interval; touching (double) roots without a sign change are not
+// number. Touching (double) roots without a sign change are not
 // reported, because they bound nothing.
 inline int bernstein_roots(const double* c, int n, double* roots, double offset = 0.0, double length = 1.0) {
   const int variations = sign_variations(c, n);
@@ -164,7 +170,7 @@ inline int bernstein_roots(const double* c, int n, double* roots, double offset 
   if (variations == 1) {
     const double guess = c[0] / (c[0] - c[n]);
     const double t = bracketed_newton([&](double s, double* slope) { return bernstein_value(c, n, s, slope); }, 0.0,
-                                      1.0, c[0] < 0, guess, 1e-15);
+                                      1.0, c[0] < 0, guess);
     roots[0] = offset + length * t;
     return 1;
   }
@@ -177,7 +183,7 @@ inline int bernstein_roots(const double* c, int n, double* roots, double offset 
   hull_clip(c, n, &t_min, &t_max);
   if (t_max - t_min < 0.8) {
     // Cut both ends off, with a margin of rounding, and go on inside.
-    const double lo = std::fmax(0.0, t_min - 1e-14), hi = std::fmin(1.0, t_max + 1e-14);
+    const double lo = std::max(0.0, t_min - 1e-14), hi = std::min(1.0, t_max + 1e-14);
     if (hi < 1.0) {
       bernstein_split(c, n, hi, left, right);
     } else {

@@ -57,7 +57,7 @@ class FacePoints {
   }
 
  private:
-  static double outside(const ParameterMap& map, double u) { return std::fmax(std::fmax(map.u0 - u, u - map.u1), 0.0); }
+  static double outside(const ParameterMap& map, double u) { return std::max(std::max(map.u0 - u, u - map.u1), 0.0); }
 
   // The patch that holds (u, v), or the nearest one: loops may overhang their patches by rounding.
   const Scene::PatchRef& find(double u, double v) {
@@ -79,8 +79,8 @@ class FacePoints {
 };
 
 bool near_image(const LinePoint& p, const LinePoint& q, const Frame& frame) {
-  return std::fmax(p.x, q.x) >= -1 && std::fmin(p.x, q.x) <= frame.width + 1 && std::fmax(p.y, q.y) >= -1 &&
-         std::fmin(p.y, q.y) <= frame.height + 1;
+  return std::max(p.x, q.x) >= -1 && std::min(p.x, q.x) <= frame.width + 1 && std::max(p.y, q.y) >= -1 &&
+         std::min(p.y, q.y) <= frame.height + 1;
 }
 
 void flatten(FacePoints& points, const double* curve, int degree, const Frame& frame, double t0, const LinePoint& p0,
@@ -122,7 +122,7 @@ double depth_around(const Frame& frame, int px, int py) {
   double farthest = -INFINITY;
   for (int y = std::max(0, py - 1); y <= std::min(frame.height - 1, py + 1); ++y) {
     for (int x = std::max(0, px - 1); x <= std::min(frame.width - 1, px + 1); ++x) {
-      farthest = std::fmax(farthest, frame.depth[std::size_t(y) * frame.width + x]);
+      farthest = std::max(farthest, frame.depth[std::size_t(y) * frame.width + x]);
     }
   }
   return farthest;
@@ -131,10 +131,10 @@ double depth_around(const Frame& frame, int px, int py) {
 void draw_chord(const Chord& chord, const Frame& frame, double slack, int row0, int row1, float* opacity) {
   const LinePoint &p = chord.from, &q = chord.to;
   const double dx = q.x - p.x, dy = q.y - p.y, length2 = dx * dx + dy * dy, reach = kHalfWidth + 0.5;
-  const int y0 = std::max(row0, int(std::floor(std::fmin(p.y, q.y) - reach)));
-  const int y1 = std::min(row1 - 1, int(std::ceil(std::fmax(p.y, q.y) + reach)));
-  const int x0 = std::max(0, int(std::floor(std::fmax(-2.0, std::fmin(p.x, q.x) - reach))));
-  const int x1 = std::min(frame.width - 1, int(std::ceil(std::fmin(frame.width + 2.0, std::fmax(p.x, q.x) + reach))));
+  const int y0 = std::max(row0, int(std::floor(std::min(p.y, q.y) - reach)));
+  const int y1 = std::min(row1 - 1, int(std::ceil(std::max(p.y, q.y) + reach)));
+  const int x0 = std::max(0, int(std::floor(std::max(-2.0, std::min(p.x, q.x) - reach))));
+  const int x1 = std::min(frame.width - 1, int(std::ceil(std::min(frame.width + 2.0, std::max(p.x, q.x) + reach))));
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       const double rx = x + 0.5 - p.x, ry = y + 0.5 - p.y;
@@ -160,13 +160,13 @@ void draw_edge_lines(const Scene& scene, const Camera& camera, int threads, cons
   for (const auto& list : chords) {
     for (const Chord& chord : list) {
       depth.include(chord.from.depth);
-      const double lo = std::fmin(chord.from.y, chord.to.y) - 2, hi = std::fmax(chord.from.y, chord.to.y) + 2;
-      const int first = std::clamp(int(std::fmax(lo, 0.0)) / kBandRows, 0, bands - 1);
-      const int last = std::clamp(int(std::fmin(std::fmax(hi, 0.0), double(frame.height))) / kBandRows, 0, bands - 1);
+      const double lo = std::min(chord.from.y, chord.to.y) - 2, hi = std::max(chord.from.y, chord.to.y) + 2;
+      const int first = std::clamp(int(std::max(lo, 0.0)) / kBandRows, 0, bands - 1);
+      const int last = std::clamp(int(std::min(std::max(hi, 0.0), double(frame.height))) / kBandRows, 0, bands - 1);
       for (int band = first; band <= last; ++band) by_band[band].push_back(&chord);
     }
   }
-  const double slack = 1e-6 * std::fmax(0.0, depth.width());
+  const double slack = 1e-6 * std::max(0.0, depth.width());
   parallel_for(by_band.size(), threads, [&](std::size_t band, int) {
     const int row0 = int(band) * kBandRows, row1 = std::min(frame.height, row0 + kBandRows);
     std::vector<float> opacity(std::size_t(row1 - row0) * frame.width, 0.0f);

@@ -45,8 +45,8 @@ QuotientBounds transposed_bounds(const QuotientBounds& q) { return {q.f, q.fb, q
 // How much halving a parameter would flatten the piece: the size of the second differences it divides.
 double curvature_along(const QuotientBounds& x, const QuotientBounds& y, bool a) {
   const double own =
-      a ? std::fmax(x.faa.magnitude(), y.faa.magnitude()) : std::fmax(x.fbb.magnitude(), y.fbb.magnitude());
-  return own + 0.5 * std::fmax(x.fab.magnitude(), y.fab.magnitude());
+      a ? std::max(x.faa.magnitude(), y.faa.magnitude()) : std::max(x.fbb.magnitude(), y.fbb.magnitude());
+  return own + 0.5 * std::max(x.fab.magnitude(), y.fab.magnitude());
 }
 
 double length_along(const Net& net, bool a) {
@@ -59,7 +59,7 @@ double length_along(const Net& net, bool a) {
       const double* q = a ? net.at(i + 1, k) : net.at(k, i + 1);
       length += std::hypot(q[kX] / q[kW] - p[kX] / p[kW], q[kY] / q[kW] - p[kY] / p[kW]);
     }
-    longest = std::fmax(longest, length);
+    longest = std::max(longest, length);
   }
   return longest;
 }
@@ -177,7 +177,7 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   const double along_a = curvature_along(bounds.x, bounds.y, true),
                along_b = curvature_along(bounds.x, bounds.y, false);
   const double length_a = length_along(net, true), length_b = length_along(net, false);
-  const bool nearly_flat = std::fmax(along_a, along_b) < 1e-2 * std::fmax(length_a, length_b);
+  const bool nearly_flat = std::max(along_a, along_b) < 1e-2 * std::max(length_a, length_b);
   split(net, box, arcs, depth, nearly_flat ? length_a >= length_b : along_a >= along_b);
 }
 
@@ -226,7 +226,7 @@ bool PieceBuilder::certify(const Net& net, const NetBounds& bounds, Piece* piece
   bool constant_weight = !camera_.perspective;
   for (std::size_t k = 0; k < net.size(); k += 4) constant_weight &= net.points[k + kW] == net.points[kW];
   piece->linear = constant_weight && net.n == 1 && net.m == 1 &&
-                  std::fmax(bounds.x.fab.magnitude(), bounds.y.fab.magnitude()) < kNegligiblePixels &&
+                  std::max(bounds.x.fab.magnitude(), bounds.y.fab.magnitude()) < kNegligiblePixels &&
                   depth.fab.magnitude() * camera_.scale < kNegligiblePixels;
   return true;
 }

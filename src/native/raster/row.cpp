@@ -62,36 +62,98 @@ void RowPainter::solve_values(int row) {
 }
 
 void RowPainter::solve_span(const Span& span, int row) {
-  const double first = std::ceil(span.x0 - 0.5 - kSampleShiftX);
-  SurfaceSample sample;
-  bool warm = false;
-  for (int px = std::max(0, int(first)); px < frame_.width && px + 0.5 + kSampleShiftX < span.x1; ++px) {
+  const int begin = std::max(0, int(std::ceil(std::max(span.x0, -1.0) - 0.5 - kSampleShiftX)));
+  const int end = std::min(frame_.width, int(std::ceil(std::min(span.x1, frame_.width + 1.0) - 0.5 - kSampleShiftX)));
+  // Runs of pixels that nothing solved so far hides for certain.
+  for (int px = begin; px < end;) {
     if (span.nearest > depth_[px] + tie_) {
-      warm = false;
+      ++px;
       continue;
     }
-    const double x = px + 0.5;
-    if (warm) {
-      // Follow the cut's tangent by one pixel from the sample before.
-      const ScreenJet screen(sample.jet);
-      const double determinant = screen.jacobian();
-      sample.a += screen.yb / determinant;
-      sample.b -= screen.ya / determinant;
-    } else {
-      const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
-      sample.a = span.a0 + fraction * (span.a1 - span.a0);
-      sample.b = span.b0 + fraction * (span.b1 - span.b0);
-    }
-    solve_sample(span, x, row + 0.5, &sample);
-    warm = true;
-    const double depth = camera_.depth(sample.jet.p);
-    const bool nearer = !piece_[px] || (std::fabs(depth - depth_[px]) > tie_ ? depth < depth_[px]
-                                                                             : span.piece->face < piece_[px]->face);
-    if (!nearer) continue;
-    depth_[px] = depth;
-    sample_[px] = sample;
-    piece_[px] = span.piece;
+    int last = px + 1;
+    while (last < end && !(span.nearest > depth_[last] + tie_)) ++last;
+    solve_pixels(span, row, px, last);
+    px = last;
   }
+}
+
+namespace {
+
+// Guess at the pixel `pixels` to the right of a solved one, along the tangent of the cut.
+void follow_cut(SurfaceSample* sample, double pixels) {
+  const ScreenJet screen(sample->jet);
+  const double scale = pixels / screen.jacobian();
+  sample->a += scale * screen.yb;
+  sample->b -= scale * screen.ya;
+}
+
+constexpr int kShortRun = 6;  // pixels; solved one after the other
+constexpr double kStepTolerance = 1e-7;
+
+}  // namespace
+
+// Solves the pixels [first, last): one in PixelRun::kCapacity by itself, those between from cubic guesses, together.
+void RowPainter::solve_pixels(const Span& span, int row, int first, int last) {
+  const double fraction = std::clamp((first + 0.5 - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
+  SurfaceSample knot{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
+  solve_sample(span, first + 0.5, row + 0.5, &knot);
+  keep(span, first, knot);
+  const bool one_by_one = span.piece->kind > Piece::Kind::fold || last - first < kShortRun;
+  for (int px = first; px + 1 < last;) {
+    const int next = one_by_one ? px + 1 : std::min(px + PixelRun::kCapacity, last - 1);
+    const SurfaceSample from = knot;
+    follow_cut(&knot, next - px);
+    solve_sample(span, next + 0.5, row + 0.5, &knot);
+    keep(span, next, knot);
+    if (next > px + 1) solve_chunk(span, row, px + 1, next, from, knot);
+    px = next;
+  }
+}
+
+// Solves the pixels [first, last) between two solved neighbours.
+void RowPainter::solve_chunk(const Span& span, int row, int first, int last, const SurfaceSample& from,
+                             const SurfaceSample& to) {
+  const ScreenJet s0(from.jet), s1(to.jet);
+  const double width = last - first + 1;
+  const double j0 = width / s0.jacobian(), j1 = width / s1.jacobian();
+  run_.count = last - first;
+  for (int k = 0; k < run_.count; ++k) {
+    const double t = (k + 1) / width, s = 1.0 - t;
+    const double h0 = s * s * (1 + 2 * t), h1 = t * t * (3 - 2 * t), d0 = s * s * t, d1 = -t * t * s;
+    run_.x[k] = first + k + 0.5;
+    run_.a[k] = h0 * from.a + h1 * to.a + d0 * j0 * s0.yb + d1 * j1 * s1.yb;
+    run_.b[k] = h0 * from.b + h1 * to.b - d0 * j0 * s0.ya - d1 * j1 * s1.ya;
+  }
+  const ParameterBox box{std::min(span.a0, span.a1), std::max(span.a0, span.a1), 0.0, 1.0};
+  solve_run(span.piece->net, row + 0.5, box, kStepTolerance, 4, run_);
+  for (int k = 0; k < run_.count; ++k) {
+    SurfaceSample sample{run_.a[k], run_.b[k], {}};
+    const bool inside = sample.a >= box.a_lo && sample.a <= box.a_hi && sample.b >= 0.0 && sample.b <= 1.0;
+    if (run_.step[k] < kStepTolerance && inside) {
+      for (int c = 0; c < 4; ++c) {
+        sample.jet.p[c] = run_.p[c][k];
+        sample.jet.pa[c] = run_.pa[c][k];
+        sample.jet.pb[c] = run_.pb[c][k];
+      }
+    } else {
+      const double t = (k + 1) / width;
+      sample.a = from.a + t * (to.a - from.a), sample.b = from.b + t * (to.b - from.b);
+      solve_sample(span, run_.x[k], row + 0.5, &sample);
+    }
+    keep(span, first + k, sample);
+  }
+}
+
+// Stores the sample if it is the nearest at its pixel so far.
+void RowPainter::keep(const Span& span, int px, const SurfaceSample& sample) {
+  const double depth = camera_.depth(sample.jet.p);
+  if (piece_[px]) {
+    const bool tie = std::fabs(depth - depth_[px]) <= tie_;
+    if (!(tie ? span.piece->face < piece_[px]->face : depth < depth_[px])) return;
+  }
+  depth_[px] = depth;
+  sample_[px] = sample;
+  piece_[px] = span.piece;
 }
 
 void RowPainter::write_values(int row) {
@@ -142,7 +204,7 @@ template <class Add>
 void for_each_pixel(double x0, double x1, int width, Add&& add) {
   const int last = std::min(width - 1, int(std::ceil(x1)) - 1);
   for (int px = std::max(0, int(std::floor(x0))); px <= last; ++px) {
-    const double from = std::fmax(x0, px), to = std::fmin(x1, px + 1.0);
+    const double from = std::max(x0, double(px)), to = std::min(x1, px + 1.0);
     if (from < to) add(px, from, to);
   }
 }
@@ -214,11 +276,11 @@ void RowPainter::write_color(int row) {
   const std::size_t start = std::size_t(row) * frame_.width;
   for (int px = 0; px < frame_.width; ++px) {
     const std::size_t k = start + px;
-    const float coverage = float(std::fmin(1.0, coverage_[px]));
+    const float coverage = float(std::min(1.0, coverage_[px]));
     if (frame_.coverage) frame_.coverage[k] = coverage;
     if (!frame_.color) continue;
     for (int c = 0; c < 3; ++c) frame_.color[4 * k + c] = float(rgb_[3 * px + c]);
-    frame_.color[4 * k + 3] = float(std::fmin(1.0, alpha_[px]));
+    frame_.color[4 * k + 3] = float(std::min(1.0, alpha_[px]));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "frame.h"
 #include "raster/scan_cut.h"
+#include "raster/solve_run.h"
 #include "raster/visibility.h"
 
 namespace nofacet {
@@ -20,6 +21,9 @@ class RowPainter {
   void intersect_scan_plane(const std::vector<const Piece*>& pieces, double y);
   void solve_values(int row);
   void solve_span(const Span& span, int row);
+  void solve_pixels(const Span& span, int row, int first, int last);
+  void solve_chunk(const Span& span, int row, int first, int last, const SurfaceSample& from, const SurfaceSample& to);
+  void keep(const Span& span, int px, const SurfaceSample& sample);
   void write_values(int row);
   void separate_transparent();
   void accumulate(const VisibleSegment& segment, double weight);
@@ -43,6 +47,7 @@ class RowPainter {
     const Span* span;
   };
   std::vector<Layer> layers_;
+  PixelRun run_;
   // Per pixel of the row: what is visible at its centre.
   std::vector<double> depth_;
   std::vector<SurfaceSample> sample_;

@@ -80,7 +80,7 @@ CutPoint solve_fold(const Piece& piece, const Camera& camera, double y, CutPoint
     double next = iteration % 8 == 7 ? 0.5 * (a + b) : (a * fb - b * fa) / (fb - fa);
     if (!(next > a && next < b)) next = 0.5 * (a + b);
     const double step = std::fabs(next - point.a);
-    point = cut_point(piece, camera, next, cut_at(piece, y, next));
+    point = cut_point(piece, camera, next, cut_at(piece, y, next, point.b));
     if (point.x_slope == 0.0 || step < 1e-9) break;
     if ((point.x_slope < 0) == (fa < 0)) {
       a = next, fa = point.x_slope;
@@ -110,8 +110,7 @@ void solve_crossing(const Piece& piece, const TrimPortion& portion, double y, do
     *slope = screen.ya * da + screen.yb * db;
     return screen.y - y;
   };
-  const double tolerance = std::fmax(1e-16, 1e-13 * (portion.t1 - portion.t0));
-  const double t = bracketed_newton(height, portion.t0, portion.t1, portion.y1 > portion.y0, guess, tolerance);
+  const double t = bracketed_newton(height, portion.t0, portion.t1, portion.y1 > portion.y0, guess);
   const CurvePoint c = portion.arc->at(t);
   piece.local_from_face(c.u, c.v, a_out, b_out);
 }
@@ -150,12 +149,12 @@ class SpanWriter {
       // Each stretch is classified by itself, at its middle, so no crossing can pass an error on to the next.
       const double a = 0.5 * (from.a + to.a);
       double u, v;
-      piece_.face_from_local(a, cut_at(piece_, y_, a), &u, &v);
+      piece_.face_from_local(a, cut_at(piece_, y_, a, 0.5 * (from.b + to.b)), &u, &v);
       if (!piece_.region->contains(u, v)) return;
     }
     const Interval run = piece_.depth_slope * (right.a - left.a);
     const double nearest =
-        std::max({piece_.depth.lo, left.depth + std::fmin(0.0, run.lo), right.depth - std::fmax(0.0, run.hi)});
+        std::max({piece_.depth.lo, left.depth + std::min(0.0, run.lo), right.depth - std::max(0.0, run.hi)});
     out_.push_back({&piece_, y_, left.x, right.x, left.a, left.b, right.a, right.b, left.depth, right.depth, nearest});
   }
 
@@ -168,7 +167,7 @@ class SpanWriter {
 
 }  // namespace
 
-double cut_at(const Piece& piece, double y, double a) {
+double cut_at(const Piece& piece, double y, double a, double guess) {
   const Net& net = piece.net;
   double d[kMaxDegree + 1];
   if (a == 0.0 || a == 1.0) {  // a border of the piece: its own control points
@@ -186,10 +185,11 @@ double cut_at(const Piece& piece, double y, double a) {
   if ((d[0] < 0) == (d[net.m] < 0)) {  // an end of the cut, lost to rounding: the border it lies on
     return std::fabs(d[0]) <= std::fabs(d[net.m]) ? 0.0 : 1.0;
   }
-  const double guess = d[0] / (d[0] - d[net.m]);
-  if (net.m == 1) return guess;
+  const double secant = d[0] / (d[0] - d[net.m]);
+  if (net.m == 1) return secant;
+  if (!(guess > 0.0 && guess < 1.0)) guess = secant;
   return bracketed_newton([&](double b, double* slope) { return bernstein_value(d, net.m, b, slope); }, 0.0, 1.0,
-                          d[0] < 0, guess, 1e-15);
+                          d[0] < 0, guess);
 }
 
 void append_spans(const Piece& piece, double y, const Camera& camera, std::vector<Span>& out) {
@@ -209,8 +209,9 @@ void append_spans(const Piece& piece, double y, const Camera& camera, std::vecto
   SpanWriter writer(piece, y, camera, crossings, out);
   for (int k = 0; k < count; ++k) {
     const Stretch& s = found[k];
-    const CutPoint from = cut_point(piece, camera, s.from, std::isnan(s.b_from) ? cut_at(piece, y, s.from) : s.b_from);
-    const CutPoint to = cut_point(piece, camera, s.to, std::isnan(s.b_to) ? cut_at(piece, y, s.to) : s.b_to);
+    const CutPoint from =
+        cut_point(piece, camera, s.from, std::isnan(s.b_from) ? cut_at(piece, y, s.from, NAN) : s.b_from);
+    const CutPoint to = cut_point(piece, camera, s.to, std::isnan(s.b_to) ? cut_at(piece, y, s.to, from.b) : s.b_to);
     if (piece.kind == Piece::Kind::fold && (from.x_slope < 0) != (to.x_slope < 0)) {
       const CutPoint fold = solve_fold(piece, camera, y, from, to);
       writer.add(from, fold);
@@ -226,9 +227,9 @@ namespace {
 constexpr int kMaxNewton = 12;
 
 bool newton(const Span& span, double x, double y, SurfaceSample* sample) {
-  const double a_lo = std::fmin(span.a0, span.a1), a_hi = std::fmax(span.a0, span.a1);
+  const double a_lo = std::min(span.a0, span.a1), a_hi = std::max(span.a0, span.a1);
   // The exact pixel centre may lie a shift of the samples outside the span: that much room, in the parameters.
-  const double room = 1e-6 + 1e-7 / std::fmax(span.x1 - span.x0, 1e-9) * (a_hi - a_lo);
+  const double room = 1e-6 + 1e-7 / std::max(span.x1 - span.x0, 1e-9) * (a_hi - a_lo);
   double a = sample->a, b = sample->b;
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
     Jet& jet = sample->jet;
@@ -261,7 +262,7 @@ void bisect_cut(const Span& span, double x, SurfaceSample* sample) {
     const double next = a0 + fraction * (a1 - a0);
     if (next == a0 || next == a1) break;
     a = next;
-    b = cut_at(*span.piece, span.y, a);
+    b = cut_at(*span.piece, span.y, a, b);
     sample->jet = evaluate(span.piece->net, a, b);
     const double at = sample->jet.x();
     if (std::fabs(at - x) < 1e-11) break;
@@ -283,7 +284,7 @@ void solve_sample(const Span& span, double x, double y, SurfaceSample* sample) {
   if (newton(span, x, y, sample)) return;
   const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
   sample->a = span.a0 + fraction * (span.a1 - span.a0);
-  sample->b = cut_at(*span.piece, span.y, sample->a);
+  sample->b = cut_at(*span.piece, span.y, sample->a, span.b0 + fraction * (span.b1 - span.b0));
   if (newton(span, x, y, sample)) return;
   bisect_cut(span, std::clamp(x, span.x0, span.x1), sample);
 }

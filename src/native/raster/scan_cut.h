@@ -26,8 +26,8 @@ struct SurfaceSample {
 // Appends the spans of `piece` on the scan plane `y` that overlap 0 <= x <= camera.width.
 void append_spans(const Piece& piece, double y, const Camera& camera, std::vector<Span>& out);
 
-// The dependent parameter on the cut at a; the cut must exist there.
-double cut_at(const Piece& piece, double y, double a);
+// The dependent parameter on the cut at a, where the cut must exist; NaN for no guess.
+double cut_at(const Piece& piece, double y, double a, double guess);
 
 // The span's surface point at pixel position (x, y'), where y' is within a few nanopixels of the span's plane and x of
 // its range. Newton from (sample->a, sample->b); where that strays, bisection on the cut, which cannot fail.

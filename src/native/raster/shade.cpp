@@ -23,8 +23,8 @@ double tangent_cross(const Camera& camera, const Jet& jet, double view[3], doubl
     for (int c = 0; c < 3; ++c) normal[c] /= length;
   }
   if (!camera.perspective) view[0] = view[1] = 0.0, view[2] = 1.0;
-  const double largest = std::fmax(Camera::dot(ta, ta), Camera::dot(tb, tb));
-  return largest > 0 ? length / std::fmax(sizes, 1e-9 * largest) : 0.0;
+  const double largest = std::max(Camera::dot(ta, ta), Camera::dot(tb, tb));
+  return largest > 0 ? length / std::max(sizes, 1e-9 * largest) : 0.0;
 }
 
 }  // namespace
@@ -50,18 +50,18 @@ void shade(const Camera& camera, const SurfaceSample& sample, const double norma
     const double length = std::sqrt(Camera::dot(p, p));
     for (int c = 0; c < 3; ++c) towards_eye[c] = -p[c] / length;
   }
-  const double facing = std::fmin(1.0, std::fabs(Camera::dot(normal, towards_eye)));
+  const double facing = std::min(1.0, std::fabs(Camera::dot(normal, towards_eye)));
   // The light stands a little above and to the left of the eye, so that faces tilted either way differ.
   constexpr double kKey[3] = {-0.29, 0.35, -0.89};
-  const double key = std::fmax(0.0, Camera::dot(normal, kKey));
+  const double key = std::max(0.0, Camera::dot(normal, kKey));
   const double world_up = camera.right[2] * normal[0] + camera.up[2] * normal[1] + camera.forward[2] * normal[2];
   const double sky = 0.5 + 0.5 * world_up;
   const double half[3] = {kKey[0] + towards_eye[0], kKey[1] + towards_eye[1], kKey[2] + towards_eye[2]};
-  const double gloss = std::fmax(0.0, Camera::dot(normal, half) / std::sqrt(Camera::dot(half, half)));
+  const double gloss = std::max(0.0, Camera::dot(normal, half) / std::sqrt(Camera::dot(half, half)));
   const double gloss2 = gloss * gloss, gloss8 = gloss2 * gloss2 * gloss2 * gloss2;
   const double diffuse = 0.10 + 0.17 * sky + 0.25 * facing + 0.48 * key;
   const double highlight = 0.10 * gloss8 * gloss8 * gloss8 * gloss8;
-  for (int c = 0; c < 3; ++c) rgb[c] = float(std::fmin(1.0, color[c] * diffuse + highlight));
+  for (int c = 0; c < 3; ++c) rgb[c] = float(std::min(1.0, color[c] * diffuse + highlight));
 }
 
 }  // namespace nofacet

@@ -48,8 +48,8 @@ class PortionFinder {
     }
     // Mean value bounds of y, from both ends.
     const Interval run = slope * (to.t - from.t);
-    const Interval range = intersect({from.y + std::fmin(0.0, run.lo), from.y + std::fmax(0.0, run.hi)},
-                                     {to.y - std::fmax(0.0, run.hi), to.y - std::fmin(0.0, run.lo)});
+    const Interval range = intersect({from.y + std::min(0.0, run.lo), from.y + std::max(0.0, run.hi)},
+                                     {to.y - std::max(0.0, run.hi), to.y - std::min(0.0, run.lo)});
     if (!planes_.any_in(range.lo, range.hi)) return;
     // A portion that is level to within kSliverPixels may be taken for monotone: that moves it by no more.
     if (slope.one_signed() || run.magnitude() < kSliverPixels || halvings >= kMaxHalvings) {
@@ -92,8 +92,8 @@ void clip_to_slab(double lo, double hi, double first, double last, const TrimArc
                   double* t1) {
   const bool rising = first < last;
   const double enter = rising ? lo : hi, leave = rising ? hi : lo;
-  if (rising ? first < enter && enter < last : last < enter && enter < first) *t0 = std::fmax(*t0, inverse(arc, enter));
-  if (rising ? first < leave && leave < last : last < leave && leave < first) *t1 = std::fmin(*t1, inverse(arc, leave));
+  if (rising ? first < enter && enter < last : last < enter && enter < first) *t0 = std::max(*t0, inverse(arc, enter));
+  if (rising ? first < leave && leave < last : last < leave && leave < first) *t1 = std::min(*t1, inverse(arc, leave));
 }
 
 }  // namespace

@@ -46,8 +46,8 @@ class Line {
 
   // Writes to merged_ what replaces the segments that the span overlaps, and to shown_ whether it is in it.
   Range merge(const Span& span) {
-    double cursor = std::fmax(span.x0, 0.0);
-    const double end = std::fmin(span.x1, double(camera_.width));
+    double cursor = std::max(span.x0, 0.0);
+    const double end = std::min(span.x1, double(camera_.width));
     const auto first = std::upper_bound(segments_.begin(), segments_.end(), cursor,
                                         [](double x, const VisibleSegment& s) { return x < s.x1; });
     merged_.clear();
@@ -60,7 +60,7 @@ class Line {
         cursor = it->x0;
       }
       push(it->x0, cursor, it->span);
-      const double overlap_end = std::fmin(it->x1, end);
+      const double overlap_end = std::min(it->x1, end);
       shown_ |= compare(span, *it->span, cursor, overlap_end);
       push(overlap_end, it->x1, it->span);
       cursor = overlap_end;
@@ -88,17 +88,17 @@ class Line {
   }
 
   static Interval depth_between(const Span& span, const Probe& p, const Probe& q) {
-    if (span.piece->linear) return {std::fmin(p.depth, q.depth), std::fmax(p.depth, q.depth)};
+    if (span.piece->linear) return {std::min(p.depth, q.depth), std::max(p.depth, q.depth)};
     const Interval run = span.piece->depth_slope * (q.a - p.a);
-    const Interval from_p{p.depth + std::fmin(0.0, run.lo), p.depth + std::fmax(0.0, run.hi)};
-    const Interval from_q{q.depth - std::fmax(0.0, run.hi), q.depth - std::fmin(0.0, run.lo)};
+    const Interval from_p{p.depth + std::min(0.0, run.lo), p.depth + std::max(0.0, run.hi)};
+    const Interval from_q{q.depth - std::max(0.0, run.hi), q.depth - std::min(0.0, run.lo)};
     return intersect(intersect(from_p, from_q), span.piece->depth);
   }
 
   // Writes who is nearest on [x0, x1]; returns whether the new span is anywhere.
   bool compare(const Span& fresh, const Span& old, double x0, double x1) {
     if (!(x0 < x1)) return false;
-    const double farthest = std::fmax(old.depth0, old.depth1);
+    const double farthest = std::max(old.depth0, old.depth1);
     if (old.piece->linear ? fresh.nearest > farthest + tie_ : fresh.nearest > old.piece->depth.hi + tie_) {
       push(x0, x1, &old);
       return false;

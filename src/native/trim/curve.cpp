@@ -56,7 +56,7 @@ double parameter_at(const TrimArc& arc, double value, double first, double last,
         *slope = dx;
         return x - value;
       },
-      arc.t0, arc.t1, last > first, guess, 1e-15);
+      arc.t0, arc.t1, last > first, guess);
 }
 
 }  // namespace
