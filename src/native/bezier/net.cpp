@@ -1,5 +1,6 @@
 #include "bezier/net.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace nofacet {
@@ -66,6 +67,19 @@ Jet evaluate(const Net& net, double a, double b) {
       return evaluate_degrees<3, 3>(net, a, b);
     default:
       return evaluate_degrees<-1, -1>(net, a, b);
+  }
+}
+
+void evaluate_mixed(const Net& net, double a, double b, double mixed[4]) {
+  double ba[kMaxDegree + 1], da[kMaxDegree + 1], bb[kMaxDegree + 1], db[kMaxDegree + 1];
+  bernstein_basis(net.n, a, ba, da);
+  bernstein_basis(net.m, b, bb, db);
+  std::fill(mixed, mixed + 4, 0.0);
+  const double* p = net.points;
+  for (int i = 0; i <= net.n; ++i) {
+    for (int j = 0; j <= net.m; ++j, p += 4) {
+      for (int c = 0; c < 4; ++c) mixed[c] += da[i] * db[j] * p[c];
+    }
   }
 }
 

@@ -36,6 +36,8 @@ struct ScreenJet {
 };
 
 Jet evaluate(const Net& net, double a, double b);
+// The mixed second derivative of the homogeneous point by a and b.
+void evaluate_mixed(const Net& net, double a, double b, double mixed[4]);
 
 // Halves of the net along a or b (de Casteljau at 1/2); the shared border is bitwise the same in both.
 void split_a(const Net& net, double* left, double* right);
@@ -48,6 +50,8 @@ void transpose(const Net& net, double* out);
 struct QuotientBounds {
   Interval f, fa, fb, faa, fab, fbb;
 };
+// With a and b exchanged.
+inline QuotientBounds transposed_bounds(const QuotientBounds& q) { return {q.f, q.fb, q.fa, q.fbb, q.fab, q.faa}; }
 
 // Bounds over the net of x = X/W, y = Y/W; needs all W > 0. All follow from the convex hull property of the control
 // points and of their first and second differences.

@@ -10,37 +10,8 @@ constexpr int kMaxDepth = 100;          // halvings of one patch, both direction
 constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch needs a few hundred
 // A curved piece larger than this is split even if certified: depth bounds and first guesses get poor.
 constexpr double kLargestPiece = 256.0;
-// A derivative counts as one-signed only if it stays this far from zero, relative to the terms it is made of.
-constexpr double kRoundingMargin = 1e-12;
-
-bool clearly_one_signed(Interval value, double terms) { return value.mignitude() > kRoundingMargin * terms; }
-
-struct CutBounds {
-  bool graph = false;
-  bool regular = false, fold = false, sliver = false;
-  double slope = 0.0;  // largest |db/da|
-};
-
-// Certificates with b as the dependent parameter: x and y are the bounds of the screen position.
-CutBounds bound_cut(const QuotientBounds& x, const QuotientBounds& y) {
-  CutBounds cut;
-  cut.graph = clearly_one_signed(y.fb, y.fa.magnitude() + y.fb.magnitude());
-  if (!cut.graph) return cut;
-  const Interval m = -(y.fa / y.fb);
-  cut.slope = m.magnitude();
-  const Interval first = x.fa + m * x.fb;
-  cut.regular = clearly_one_signed(first, x.fa.magnitude() + m.magnitude() * x.fb.magnitude());
-  cut.sliver = first.magnitude() < kSliverPixels;
-  if (cut.regular || cut.sliver) return cut;
-  // x'' along the cut: (x_aa - r y_aa) + 2 m (x_ab - r y_ab) + m^2 (x_bb - r y_bb), r = x_b / y_b.
-  const Interval r = x.fb / y.fb;
-  const Interval aa = x.faa - r * y.faa, ab = x.fab - r * y.fab, bb = x.fbb - r * y.fbb;
-  const Interval second = aa + m * ab * 2.0 + square(m) * bb;
-  cut.fold = clearly_one_signed(second, aa.magnitude());
-  return cut;
-}
-
-QuotientBounds transposed_bounds(const QuotientBounds& q) { return {q.f, q.fb, q.fa, q.fbb, q.fab, q.faa}; }
+// Largest ratio of depths within a piece in perspective.
+constexpr double kLargestDepthRatio = 4.0;
 
 // How much halving a parameter would flatten the piece: the size of the second differences it divides.
 double curvature_along(const QuotientBounds& x, const QuotientBounds& y, bool a) {
@@ -58,6 +29,22 @@ double length_along(const Net& net, bool a) {
       const double* p = a ? net.at(i, k) : net.at(k, i);
       const double* q = a ? net.at(i + 1, k) : net.at(k, i + 1);
       length += std::hypot(q[kX] / q[kW] - p[kX] / p[kW], q[kY] / q[kW] - p[kY] / p[kW]);
+    }
+    longest = std::max(longest, length);
+  }
+  return longest;
+}
+
+// Length of the control polygons along a or b in eye space (perspective only: Z is the weight there).
+double space_length(const Net& net, bool a) {
+  double longest = 0.0;
+  const int n = a ? net.n : net.m, m = a ? net.m : net.n;
+  for (int k = 0; k <= m; ++k) {
+    double length = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const double* p = a ? net.at(i, k) : net.at(k, i);
+      const double* q = a ? net.at(i + 1, k) : net.at(k, i + 1);
+      for (int c = 0; c < 3; ++c) length += std::fabs(q[c] / q[kZ] - p[c] / p[kZ]);
     }
     longest = std::max(longest, length);
   }
@@ -141,11 +128,16 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
     }
   }
 
-  bool in_front = true;
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) in_front &= p[kW] > 0;
-  if (!in_front) {
-    // Crossing the eye plane: what is in front shrinks towards the eye itself, where nothing is visible.
-    if (depth < kMaxDepth / 2) split(net, box, arcs, depth, box.s1 - box.s0 >= box.t1 - box.t0);
+  // A piece that crosses the eye plane, or whose depths differ by much, is distorted beyond any bound: halve it in
+  // space. What is in front shrinks towards the eye itself, where nothing is visible.
+  Interval weight = Interval::empty();
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) weight.include(p[kW]);
+  if (camera_.perspective && weight.lo * kLargestDepthRatio < weight.hi) {
+    if (depth < kMaxDepth) {
+      split(net, box, arcs, depth, space_length(net, true) >= space_length(net, false));
+    } else if (weight.lo > 0) {
+      ++unresolved_;
+    }
     return;
   }
 
@@ -162,7 +154,7 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   } else {
     const bool narrow = bounds.x.f.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
     if (narrow && low) {
-      piece.kind = Piece::Kind::point;
+      piece.kind = CutKind::uncertain;
       piece.x = bounds.x.f;
       piece.y = y;
       emit(piece, net, box, arcs);
@@ -199,25 +191,14 @@ void PieceBuilder::split(const Net& net, const Box& box, const Arcs* arcs, int d
 }
 
 bool PieceBuilder::certify(const Net& net, const NetBounds& bounds, Piece* piece) const {
-  const QuotientBounds xt = transposed_bounds(bounds.x), yt = transposed_bounds(bounds.y);
-  const CutBounds straight = bound_cut(bounds.x, bounds.y), turned = bound_cut(xt, yt);
-  using Kind = Piece::Kind;
-  Kind kind = Kind::point;
-  bool can_straight = false, can_turned = false;
-  auto offer = [&](Kind offered, bool in_straight, bool in_turned) {
-    if (kind != Kind::point || !(in_straight || in_turned)) return;
-    kind = offered, can_straight = in_straight, can_turned = in_turned;
-  };
-  offer(Kind::regular, straight.regular, turned.regular);
-  offer(Kind::sliver, straight.sliver, turned.sliver);
-  offer(Kind::fold, straight.fold, turned.fold);
-  if (kind == Kind::point) return false;
-  piece->kind = kind;
-  piece->transposed = can_turned && (!can_straight || turned.slope < straight.slope);
+  const Certificate certificate = certify_cut(net, bounds);
+  piece->kind = certificate.kind;
+  piece->transposed = certificate.transposed;
+  if (certificate.kind == CutKind::uncertain) return false;
   piece->x = bounds.x.f;
   piece->y = bounds.y.f;
 
-  const QuotientBounds& y = piece->transposed ? yt : bounds.y;
+  const QuotientBounds y = piece->transposed ? transposed_bounds(bounds.y) : bounds.y;
   QuotientBounds depth = camera_.perspective ? quotient_bounds(net, kW, kZ) : quotient_bounds(net, kZ, kW);
   if (piece->transposed) depth = transposed_bounds(depth);
   piece->rising = y.fb.positive();
@@ -243,11 +224,11 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   piece.patch = patch_;
   piece.face = face_;
   piece.s0 = box.s0, piece.s1 = box.s1, piece.t0 = box.t0, piece.t1 = box.t1;
-  if (piece.kind == Piece::Kind::point)
+  if (piece.kind == CutKind::uncertain)
     piece.depth = hull_range(net, camera_.perspective ? kW : kZ, camera_.perspective ? kZ : kW);
   if (arcs) {
     piece.region = region_;
-    if (piece.kind != Piece::Kind::point) {
+    if (piece.kind != CutKind::uncertain) {
       portions_.clear();
       for (const TrimArc* arc : *arcs) monotone_portions(piece, *arc, planes_, portions_);
       TrimPortion* stored = portion_arena_.take(portions_.size());

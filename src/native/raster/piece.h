@@ -13,6 +13,7 @@
 #include "bezier/interval.h"
 #include "bezier/net.h"
 #include "camera.h"
+#include "raster/certificate.h"
 #include "raster/scan_planes.h"
 #include "scene.h"
 
@@ -22,11 +23,6 @@ namespace nofacet {
 // drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
 inline constexpr double kNegligiblePixels = 1e-9;
 
-// A surface seen edge-on to within this (pixels of x along any one cut) is a sliver: its cuts are drawn from end to end
-// without asking which way x moves in between, which moves no point of it by more than this. Likewise a trim curve that
-// is level to within this. Real files are full of walls that are edge-on up to the digits the file was written with.
-inline constexpr double kSliverPixels = 1e-6;
-
 // A part of a trim arc inside one piece, along which the screen y moves one way only.
 struct TrimPortion {
   const TrimArc* arc;
@@ -35,8 +31,6 @@ struct TrimPortion {
 };
 
 struct Piece {
-  enum class Kind : uint8_t { regular, fold, sliver, point };
-
   Net net;  // a = the patch's s and b = its t, or the other way round if transposed
   const Scene::PatchRef* patch;
   const Region* region;  // null: not trimmed here
@@ -45,9 +39,9 @@ struct Piece {
   int32_t face;
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
   bool transposed;
-  bool rising;  // Y - y W grows with b
-  bool linear;  // x and depth are linear along every cut
-  Kind kind;
+  bool rising;           // Y - y W grows with b
+  bool linear;           // x and depth are linear along every cut
+  CutKind kind;          // uncertain: as small as kNegligiblePixels, drawn as a point
   Interval x, y, depth;  // pixels, pixels, model units
   Interval depth_slope;  // d depth / da along a cut
 

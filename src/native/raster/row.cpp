@@ -98,7 +98,7 @@ void RowPainter::solve_pixels(const Span& span, int row, int first, int last) {
   SurfaceSample knot{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
   solve_sample(span, first + 0.5, row + 0.5, &knot);
   keep(span, first, knot);
-  const bool one_by_one = span.piece->kind > Piece::Kind::fold || last - first < kShortRun;
+  const bool one_by_one = span.piece->kind > CutKind::fold || last - first < kShortRun;
   for (int px = first; px + 1 < last;) {
     const int next = one_by_one ? px + 1 : std::min(px + PixelRun::kCapacity, last - 1);
     const SurfaceSample from = knot;
@@ -171,7 +171,7 @@ void RowPainter::write_values(int row) {
     if (frame_.uv) piece->face_from_local(sample_[px].a, sample_[px].b, frame_.uv + 2 * k, frame_.uv + 2 * k + 1);
     if (!frame_.normal && !frame_.color) continue;
     double n[3];
-    surface_normal(*piece, camera_, sample_[px], n);
+    surface_normal(scene_, *piece, camera_, sample_[px], n);
     if (frame_.normal) {
       for (int c = 0; c < 3; ++c) {
         frame_.normal[3 * k + c] = float(n[0] * camera_.right[c] + n[1] * camera_.up[c] + n[2] * camera_.forward[c]);
@@ -193,7 +193,7 @@ void RowPainter::fragment_color(const Span& span, double x, int px, float rgb[3]
   SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
   solve_sample(span, x, span.y, &sample);
   double n[3];
-  surface_normal(*span.piece, camera_, sample, n);
+  surface_normal(scene_, *span.piece, camera_, sample, n);
   shade(camera_, sample, n, color, rgb);
 }
 

@@ -193,7 +193,7 @@ double cut_at(const Piece& piece, double y, double a, double guess) {
 }
 
 void append_spans(const Piece& piece, double y, const Camera& camera, std::vector<Span>& out) {
-  if (piece.kind == Piece::Kind::point) {
+  if (piece.kind == CutKind::uncertain) {
     if (!(piece.y.lo <= y && y < piece.y.hi) || piece.x.hi <= 0 || piece.x.lo >= camera.width) return;
     double u, v;
     piece.face_from_local(0.5, 0.5, &u, &v);
@@ -212,7 +212,7 @@ void append_spans(const Piece& piece, double y, const Camera& camera, std::vecto
     const CutPoint from =
         cut_point(piece, camera, s.from, std::isnan(s.b_from) ? cut_at(piece, y, s.from, NAN) : s.b_from);
     const CutPoint to = cut_point(piece, camera, s.to, std::isnan(s.b_to) ? cut_at(piece, y, s.to, from.b) : s.b_to);
-    if (piece.kind == Piece::Kind::fold && (from.x_slope < 0) != (to.x_slope < 0)) {
+    if (piece.kind == CutKind::fold && (from.x_slope < 0) != (to.x_slope < 0)) {
       const CutPoint fold = solve_fold(piece, camera, y, from, to);
       writer.add(from, fold);
       writer.add(fold, to);
@@ -276,7 +276,7 @@ void bisect_cut(const Span& span, double x, SurfaceSample* sample) {
 }  // namespace
 
 void solve_sample(const Span& span, double x, double y, SurfaceSample* sample) {
-  if (span.piece->kind == Piece::Kind::point) {
+  if (span.piece->kind == CutKind::uncertain) {
     sample->a = sample->b = 0.5;
     sample->jet = evaluate(span.piece->net, 0.5, 0.5);
     return;

@@ -1,43 +1,102 @@
 #include "raster/shade.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace nofacet {
 namespace {
 
-// Cross product of the eye-space tangents; returns its length relative to theirs.
-double tangent_cross(const Camera& camera, const Jet& jet, double view[3], double normal[3]) {
-  double p[4], pa[4], pb[4], ta[3], tb[3];
-  camera.unproject(jet.p, p);
-  camera.unproject(jet.pa, pa);
-  camera.unproject(jet.pb, pb);
+// A tangent shorter than this part of the other one is taken for degenerate.
+constexpr double kDegenerate = 1e-6;
+// A piece smaller than this part of its patch has lost the digits that its derivatives are made of.
+constexpr double kTinyPiece = 1e-5;
+
+double length(const double* v) { return std::sqrt(Camera::dot(v, v)); }
+
+struct Tangents {
+  double a[3], b[3];
+
+  // From the homogeneous point and derivatives (x, y, z, w) of a surface, w last.
+  Tangents(const double p[4], const double pa[4], const double pb[4]) {
+    for (int c = 0; c < 3; ++c) {
+      a[c] = pa[c] - p[c] / p[3] * pa[3];
+      b[c] = pb[c] - p[c] / p[3] * pb[3];
+    }
+  }
+  bool degenerate() const {
+    const double la = length(a), lb = length(b);
+    return !(la >= kDegenerate * lb && lb >= kDegenerate * la);
+  }
+  // Unit cross product; false if the tangents span no plane.
+  bool cross(double normal[3]) const {
+    for (int c = 0; c < 3; ++c) normal[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+    const double size = length(normal);
+    if (!(size > 1e-9 * length(a) * length(b))) return false;
+    for (int c = 0; c < 3; ++c) normal[c] /= size;
+    return true;
+  }
+};
+
+// Tangents of the patch itself at its (s, t), in its own coordinates. Where one of them vanishes, at a pole or a cone's
+// tip, its direction is the limit from inside: the mixed derivative.
+Tangents patch_tangents(const Net& net, double s, double t) {
+  const Jet jet = evaluate(net, s, t);
+  Tangents result(jet.p, jet.pa, jet.pb);
+  if (!result.degenerate()) return result;
+  double mixed[4];
+  evaluate_mixed(net, s, t, mixed);
+  double* shorter = length(result.a) < length(result.b) ? result.a : result.b;
+  double limit[3];
   for (int c = 0; c < 3; ++c) {
-    view[c] = p[c] / p[3];
-    ta[c] = pa[c] - view[c] * pa[3];
-    tb[c] = pb[c] - view[c] * pb[3];
+    limit[c] =
+        mixed[c] - jet.p[c] / jet.p[3] * mixed[3] - (result.a[c] * jet.pb[3] + result.b[c] * jet.pa[3]) / jet.p[3];
   }
-  for (int c = 0; c < 3; ++c) normal[c] = ta[(c + 1) % 3] * tb[(c + 2) % 3] - ta[(c + 2) % 3] * tb[(c + 1) % 3];
-  const double length = std::sqrt(Camera::dot(normal, normal));
-  const double sizes = std::sqrt(Camera::dot(ta, ta) * Camera::dot(tb, tb));
-  if (length > 0) {
-    for (int c = 0; c < 3; ++c) normal[c] /= length;
+  std::copy_n(limit, 3, shorter);
+  return result;
+}
+
+// Unit normal in eye space from the patch, for where the piece's own derivatives do not serve.
+void patch_normal(const Scene& scene, const Piece& piece, const Camera& camera, double a, double b, double normal[3]) {
+  const PatchGroup& group = scene.model.groups[piece.patch->group];
+  Net net{group.degree_u, group.degree_v, nullptr};
+  net.points = group.control_points + net.size() * piece.patch->index;
+  if (piece.transposed) std::swap(a, b);
+  const double s = piece.s0 + a * (piece.s1 - piece.s0), t = piece.t0 + b * (piece.t1 - piece.t0);
+  Tangents local = patch_tangents(net, s, t);
+  bool found = local.cross(normal);
+  // Degenerate beyond a pole: the limit is approached from the middle of the patch.
+  for (double step = 1e-6; !found && step < 1.0; step *= 10.0) {
+    local = patch_tangents(net, s + step * (0.5 - s), t + step * (0.5 - t));
+    found = local.cross(normal);
   }
-  if (!camera.perspective) view[0] = view[1] = 0.0, view[2] = 1.0;
-  const double largest = std::max(Camera::dot(ta, ta), Camera::dot(tb, tb));
-  return largest > 0 ? length / std::max(sizes, 1e-9 * largest) : 0.0;
+  const double* placement = scene.model.placements + 16 * std::size_t(scene.model.face_placement[piece.face]);
+  const double* axes[3] = {camera.right, camera.up, camera.forward};
+  auto to_eye = [&](double* v) {
+    double world[3], eye[3];
+    for (int r = 0; r < 3; ++r) world[r] = Camera::dot(placement + 4 * r, v);
+    for (int c = 0; c < 3; ++c) eye[c] = Camera::dot(axes[c], world);
+    std::copy_n(eye, 3, v);
+  };
+  to_eye(local.a);
+  to_eye(local.b);
+  local.cross(normal);
 }
 
 }  // namespace
 
-void surface_normal(const Piece& piece, const Camera& camera, const SurfaceSample& sample, double normal[3]) {
-  double view[3];
-  double quality = tangent_cross(camera, sample.jet, view, normal);
-  // A degenerate point: step towards the middle of the piece until the tangents span a plane.
-  for (double step = 1e-7; quality < 1e-7 && step < 1.0; step *= 10.0) {
-    const double a = sample.a + step * (0.5 - sample.a), b = sample.b + step * (0.5 - sample.b);
-    quality = tangent_cross(camera, evaluate(piece.net, a, b), view, normal);
+void surface_normal(const Scene& scene, const Piece& piece, const Camera& camera, const SurfaceSample& sample,
+                    double normal[3]) {
+  double p[4], pa[4], pb[4];
+  camera.unproject(sample.jet.p, p);
+  camera.unproject(sample.jet.pa, pa);
+  camera.unproject(sample.jet.pb, pb);
+  const Tangents tangents(p, pa, pb);
+  const bool tiny = piece.s1 - piece.s0 < kTinyPiece || piece.t1 - piece.t0 < kTinyPiece;
+  if (tiny || tangents.degenerate() || !tangents.cross(normal)) {
+    patch_normal(scene, piece, camera, sample.a, sample.b, normal);
   }
-  if (Camera::dot(normal, view) > 0) {
+  const double towards_back = camera.perspective ? Camera::dot(normal, p) * p[3] : normal[2];
+  if (towards_back > 0) {
     for (int c = 0; c < 3; ++c) normal[c] = -normal[c];
   }
 }

@@ -6,9 +6,10 @@
 
 namespace nofacet {
 
-// Unit normal in eye space (right, up, forward), turned towards the eye: n . view < 0. Where the surface has no normal
-// (a pole, a cone's tip), the limit seen from the middle of the piece.
-void surface_normal(const Piece& piece, const Camera& camera, const SurfaceSample& sample, double normal[3]);
+// Unit normal in eye space (right, up, forward), turned towards the eye. Where the surface has no normal (a pole, a
+// cone's tip), the limit from inside the patch.
+void surface_normal(const Scene& scene, const Piece& piece, const Camera& camera, const SurfaceSample& sample,
+                    double normal[3]);
 
 // Linear RGB of a face colour lit by a light at the eye and a soft sky; both sides are lit alike.
 void shade(const Camera& camera, const SurfaceSample& sample, const double normal[3], const float color[4],

@@ -1,0 +1,97 @@
+#include "raster/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nofacet {
+namespace {
+
+// A derivative counts as one-signed only if it stays this far from zero, relative to the terms it is made of.
+constexpr double kRoundingMargin = 1e-12;
+
+bool clearly_one_signed(Interval value, double terms) { return value.mignitude() > kRoundingMargin * terms; }
+
+// Bounds of the screen Jacobian J = x_a y_b - x_b y_a and of its derivatives. J does not change when the screen is
+// rotated, its bounds do.
+struct JacobianBounds {
+  Interval j, ja, jb;
+  double terms;
+
+  JacobianBounds(const QuotientBounds& x, const QuotientBounds& y)
+      : j(x.fa * y.fb - x.fb * y.fa),
+        ja(x.faa * y.fb + x.fa * y.fab - x.fab * y.fa - x.fb * y.faa),
+        jb(x.fab * y.fb + x.fa * y.fbb - x.fbb * y.fa - x.fb * y.fab),
+        terms(x.fa.magnitude() * y.fb.magnitude() + x.fb.magnitude() * y.fa.magnitude()) {}
+  JacobianBounds(Interval value, Interval by_a, Interval by_b, double size)
+      : j(value), ja(by_a), jb(by_b), terms(size) {}
+
+  JacobianBounds transposed() const { return {-j, -jb, -ja, terms}; }
+};
+
+struct CutBounds {
+  CutKind kind = CutKind::uncertain;
+  double slope = 0.0;  // largest |db/da|
+};
+
+// With b as the dependent parameter. On the cut db/da = m = -y_a / y_b and dx/da = J / y_b, so x turns where J changes
+// sign, and at most once if dJ/da = J_a + m J_b has one sign.
+CutBounds bound_cut(const QuotientBounds& y, const JacobianBounds& jacobian) {
+  CutBounds cut;
+  if (!clearly_one_signed(y.fb, y.fa.magnitude() + y.fb.magnitude())) return cut;
+  const Interval m = -(y.fa / y.fb);
+  cut.slope = m.magnitude();
+  if (clearly_one_signed(jacobian.j, jacobian.terms)) {
+    cut.kind = CutKind::regular;
+  } else if (jacobian.j.magnitude() < kSliverPixels * y.fb.mignitude()) {
+    cut.kind = CutKind::sliver;
+  } else if (clearly_one_signed(jacobian.ja + m * jacobian.jb, jacobian.ja.magnitude())) {
+    cut.kind = CutKind::fold;
+  }
+  return cut;
+}
+
+Certificate best_cut(const NetBounds& bounds, const JacobianBounds& jacobian) {
+  const CutBounds straight = bound_cut(bounds.y, jacobian);
+  const CutBounds turned = bound_cut(transposed_bounds(bounds.y), jacobian.transposed());
+  if (straight.kind != turned.kind)
+    return straight.kind < turned.kind ? Certificate{straight.kind, false} : Certificate{turned.kind, true};
+  return {straight.kind, turned.slope < straight.slope};
+}
+
+// The net in a screen whose axes run along and across the line from its first to its farthest corner. A piece seen
+// nearly edge-on is a thin strip; across it all bounds are small, while along the old axes x and y vary together and
+// their intervals cannot know it.
+NetBounds rotated_bounds(const Net& net, double* scratch) {
+  const double* origin = net.at(0, 0);
+  double dx = 1.0, dy = 0.0, longest = 0.0;
+  for (const double* corner : {net.at(net.n, 0), net.at(0, net.m), net.at(net.n, net.m)}) {
+    const double x = corner[kX] / corner[kW] - origin[kX] / origin[kW];
+    const double y = corner[kY] / corner[kW] - origin[kY] / origin[kW];
+    const double length = std::hypot(x, y);
+    if (length > longest) longest = length, dx = x / length, dy = y / length;
+  }
+  const std::size_t size = net.size();
+  for (std::size_t k = 0; k < size; k += 4) {
+    // Relative to the corner, so that rotating distant coordinates loses nothing.
+    const double w = net.points[k + kW];
+    const double x = net.points[k + kX] - origin[kX] / origin[kW] * w;
+    const double y = net.points[k + kY] - origin[kY] / origin[kW] * w;
+    scratch[k + kX] = dx * x + dy * y;
+    scratch[k + kY] = dx * y - dy * x;
+    scratch[k + kW] = w;
+    scratch[k + kZ] = net.points[k + kZ];
+  }
+  return NetBounds({net.n, net.m, scratch});
+}
+
+}  // namespace
+
+Certificate certify_cut(const Net& net, const NetBounds& bounds) {
+  const Certificate plain = best_cut(bounds, JacobianBounds(bounds.x, bounds.y));
+  if (plain.kind != CutKind::uncertain) return plain;
+  double scratch[4 * (kMaxDegree + 1) * (kMaxDegree + 1)];
+  const NetBounds rotated = rotated_bounds(net, scratch);
+  return best_cut(bounds, JacobianBounds(rotated.x, rotated.y));
+}
+
+}  // namespace nofacet

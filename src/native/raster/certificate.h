@@ -1,0 +1,28 @@
+// Proofs, by interval bounds over a whole piece, of how scan planes cut it.
+#pragma once
+#include "bezier/net.h"
+
+namespace nofacet {
+
+// A surface seen edge-on to within this (pixels of x along any one cut) is a sliver: its cuts are drawn from end to end
+// without asking which way x moves in between, which moves no point of it by more than this. Likewise a trim curve that
+// is level to within this. Real files are full of walls that are edge-on up to the digits the file was written with.
+inline constexpr double kSliverPixels = 1e-6;
+
+// What is proved of the cut y = const of a piece, for every y: it is a graph over one parameter (y depends on the other
+// one strictly), and along it the screen x
+enum class CutKind : unsigned char {
+  regular,    // moves one way only
+  fold,       // turns at most once: the turn is the silhouette
+  sliver,     // moves by less than kSliverPixels
+  uncertain,  // nothing is proved
+};
+
+struct Certificate {
+  CutKind kind = CutKind::uncertain;
+  bool transposed = false;  // the cut is a graph a(b) instead of b(a)
+};
+
+Certificate certify_cut(const Net& net, const NetBounds& bounds);
+
+}  // namespace nofacet
