@@ -98,7 +98,7 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
   RenderStats stats;
   auto start = Clock::now();
   const bool area = frame.color || frame.coverage;
-  const ScanPlanes planes(frame.height, area ? options.samples : 1, frame.needs_values() || frame.color);
+  const ScanPlanes planes(frame.height, area ? options.samples : 0, frame.needs_values() || frame.color);
   const Subdivision subdivision(scene, camera, planes, options.threads);
   const auto bands = sort_into_bands(subdivision.pieces, frame.height);
   const double tie = tie_tolerance(subdivision.pieces);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "raster/shade.h"
 
@@ -18,47 +19,97 @@ RowPainter::RowPainter(const Scene& scene, const Camera& camera, const ScanPlane
   rgb_.resize(3 * width);
   alpha_.resize(width);
   coverage_.resize(width);
+  sample_cuts_.resize(planes.samples() + 2);
+  sample_index_.assign(planes.samples() + 2, -2);
 }
 
 void RowPainter::paint(int row, const std::vector<const Piece*>& pieces) {
   std::fill(piece_.begin(), piece_.end(), nullptr);
-  if (planes_.centre() >= 0) {
-    intersect_scan_plane(pieces, planes_.y(row, planes_.centre()));
-    solve_values(row);
+  if (planes_.centre()) {
+    if (planes_.centre_is_sample()) {
+      solve_values(sample_cut(int64_t(row) * planes_.samples() + planes_.samples() / 2, pieces), row);
+    } else {
+      centre_cut_.intersect(pieces, planes_.centre_y(row), scene_, camera_, tie_);
+      solve_values(centre_cut_, row);
+    }
     write_values(row);
   }
   if (!frame_.color && !frame_.coverage) return;
   std::fill(rgb_.begin(), rgb_.end(), 0.0);
   std::fill(alpha_.begin(), alpha_.end(), 0.0);
   std::fill(coverage_.begin(), coverage_.end(), 0.0);
-  int counted = 0;
-  for (int k = 0; k < planes_.per_row(); ++k) counted += planes_.counts(k);
-  for (int k = 0; k < planes_.per_row(); ++k) {
-    if (!planes_.counts(k)) continue;
-    const bool already_cut = k == planes_.centre() && planes_.per_row() == 1;
-    if (!already_cut) intersect_scan_plane(pieces, planes_.y(row, k));
-    separate_transparent();
-    resolve_visibility(spans_, camera_, tie_, segments_);
-    if (transparent_.empty()) {
-      for (const VisibleSegment& segment : segments_) accumulate(segment, 1.0 / counted);
+  collect_cuts(row, pieces);
+  for (std::size_t k = 1; k + 1 < cuts_.size(); ++k) {
+    // Each plane stands for the strip of the row that is nearest to it.
+    const double y = cuts_[k]->y - kSampleShiftY;
+    const double above = 0.5 * (y + cuts_[k - 1]->y - kSampleShiftY);
+    const double below = 0.5 * (y + cuts_[k + 1]->y - kSampleShiftY);
+    const double weight = std::min(below, row + 1.0) - std::max(above, double(row));
+    if (!(weight > 0.0)) continue;
+    if (cuts_[k]->transparent.empty()) {
+      for (const VisibleSegment& segment : cuts_[k]->segments) accumulate(segment, weight);
     } else {
-      accumulate_layers(1.0 / counted);
+      accumulate_layers(*cuts_[k], weight);
     }
   }
   write_color(row);
 }
 
-void RowPainter::intersect_scan_plane(const std::vector<const Piece*>& pieces, double y) {
-  spans_.clear();
-  for (const Piece* piece : pieces) {
-    if (piece->y.lo <= y && y <= piece->y.hi) append_spans(*piece, y, camera_, spans_);
+// The cut by one of the frame's sample planes, or an empty one outside the frame.
+const PlaneCut& RowPainter::sample_cut(int64_t index, const std::vector<const Piece*>& pieces) {
+  const std::size_t slot = std::size_t(index + 1) % sample_cuts_.size();
+  PlaneCut& cut = sample_cuts_[slot];
+  if (sample_index_[slot] != index) {
+    cut.intersect(pieces, planes_.sample_y(index), scene_, camera_, tie_);
+    sample_index_[slot] = index;
+  }
+  return cut;
+}
+
+// The row's sample planes, the last of the row above and the first of the row below, and planes added between where
+// coverage jumps from one to the next.
+void RowPainter::collect_cuts(int row, const std::vector<const Piece*>& pieces) {
+  cuts_.clear();
+  level_count_ = 0;
+  const int64_t first = int64_t(row) * planes_.samples() - 1, last = first + planes_.samples() + 1;
+  if (!planes_.locates_level_edges()) {
+    // The neighbours only bound the outer strips.
+    edge_cuts_[0].y = planes_.sample_y(first), edge_cuts_[1].y = planes_.sample_y(last);
+    cuts_.push_back(&edge_cuts_[0]);
+    for (int64_t k = first + 1; k < last; ++k) cuts_.push_back(&sample_cut(k, pieces));
+    cuts_.push_back(&edge_cuts_[1]);
+    return;
+  }
+  cuts_.push_back(&sample_cut(first, pieces));
+  for (int64_t k = first + 1; k <= last; ++k) {
+    const PlaneCut& next = sample_cut(k, pieces);
+    locate_level_edges(*cuts_.back(), next, pieces);
+    cuts_.push_back(&next);
   }
 }
 
-void RowPainter::solve_values(int row) {
+// A level edge hides or shows a stretch of x at once, and no number of equal strips places it well: halve the gap
+// between the planes until it lies in a strip of 1 / kLevelSteps.
+void RowPainter::locate_level_edges(const PlaneCut& above, const PlaneCut& below,
+                                    const std::vector<const Piece*>& pieces) {
+  constexpr double kLevelRun = 2.0;  // pixels; shorter stretches are no worse placed than slanted outlines
+  if (longest_difference(above, below) < kLevelRun) return;
+  const int64_t step = ScanPlanes::level_step(0.5 * (above.y + below.y) + 0.5 / ScanPlanes::kLevelSteps);
+  const double y = ScanPlanes::level_y(step);
+  if (!(y > above.y && y < below.y)) return;
+  if (level_count_ == level_cuts_.size()) level_cuts_.emplace_back();
+  PlaneCut& middle = level_cuts_[level_count_++];
+  middle.intersect(pieces, y, scene_, camera_, tie_);
+  locate_level_edges(above, middle, pieces);
+  cuts_.push_back(&middle);
+  locate_level_edges(middle, below, pieces);
+}
+
+void RowPainter::solve_values(const PlaneCut& cut, int row) {
   std::fill(depth_.begin(), depth_.end(), INFINITY);
-  std::stable_sort(spans_.begin(), spans_.end(), [](const Span& p, const Span& q) { return p.nearest < q.nearest; });
-  for (const Span& span : spans_) solve_span(span, row);
+  for (const auto* spans : {&cut.opaque, &cut.transparent}) {
+    for (const Span& span : *spans) solve_span(span, row);
+  }
 }
 
 void RowPainter::solve_span(const Span& span, int row) {
@@ -223,32 +274,24 @@ void RowPainter::accumulate(const VisibleSegment& segment, double weight) {
   });
 }
 
-void RowPainter::separate_transparent() {
-  const float* color = scene_.model.face_color;
-  const auto opaque = [&](const Span& span) { return color[4 * std::size_t(span.piece->face) + 3] >= 1.0f; };
-  const auto middle = std::stable_partition(spans_.begin(), spans_.end(), opaque);
-  transparent_.assign(middle, spans_.end());
-  spans_.erase(middle, spans_.end());
-}
-
 // Between neighbouring ends of segments and veils the same surfaces lie over each other all along.
-void RowPainter::accumulate_layers(double weight) {
+void RowPainter::accumulate_layers(const PlaneCut& cut, double weight) {
   veils_.clear();
-  for (const Span& span : transparent_) visible_parts(span, segments_, camera_, tie_, veils_);
+  for (const Span& span : cut.transparent) visible_parts(span, cut.segments, camera_, tie_, veils_);
   borders_.clear();
-  for (const auto* list : {&segments_, &veils_}) {
+  for (const std::vector<VisibleSegment>* list : {&cut.segments, &std::as_const(veils_)}) {
     for (const VisibleSegment& segment : *list) borders_.insert(borders_.end(), {segment.x0, segment.x1});
   }
   std::sort(borders_.begin(), borders_.end());
   for (std::size_t k = 1; k < borders_.size(); ++k) {
-    if (borders_[k - 1] < borders_[k]) add_layers(borders_[k - 1], borders_[k], weight);
+    if (borders_[k - 1] < borders_[k]) add_layers(cut, borders_[k - 1], borders_[k], weight);
   }
 }
 
-void RowPainter::add_layers(double x0, double x1, double weight) {
+void RowPainter::add_layers(const PlaneCut& cut, double x0, double x1, double weight) {
   const double middle = 0.5 * (x0 + x1);
   layers_.clear();
-  for (const auto* list : {&segments_, &veils_}) {
+  for (const std::vector<VisibleSegment>* list : {&cut.segments, &std::as_const(veils_)}) {
     for (const VisibleSegment& segment : *list) {
       double a;
       if (segment.x0 <= x0 && segment.x1 >= x1)

@@ -2,7 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <cstdint>
 
 namespace nofacet {
 
@@ -14,38 +14,43 @@ inline constexpr double kSampleShiftX = 1.0726e-8, kSampleShiftY = 1.3093e-8;
 
 class ScanPlanes {
  public:
-  // `centre`: whether the planes through pixel centres are wanted; `samples`: planes a row for colour and coverage.
-  ScanPlanes(int rows, int samples, bool centre) : rows_(rows) {
-    for (int k = 0; k < samples; ++k) offsets_.push_back((k + 0.5) / samples);
-    const bool odd = samples % 2 == 1;
-    if (centre && !odd) offsets_.insert(offsets_.begin() + samples / 2, 0.5);
-    centre_ = centre ? samples / 2 : -1;
-    centre_counts_ = odd;
-  }
-  int per_row() const { return int(offsets_.size()); }
+  // Level edges are located to one part in this many of a pixel, where they are located at all.
+  static constexpr int kLevelSteps = 1024;
+  // From this many samples on, level edges are located between the sample planes.
+  static constexpr int kLevelSamples = 8;
+
+  // `samples`: planes a row for coverage, 0 for none; `centre`: whether planes through the pixel centres are wanted.
+  ScanPlanes(int rows, int samples, bool centre) : rows_(rows), samples_(samples), centre_(centre) {}
+
   int rows() const { return rows_; }
-  // Index within a row of the plane through the pixel centres, or -1.
-  int centre() const { return centre_; }
-  // Whether plane k of a row is one of those averaged for coverage.
-  bool counts(int k) const { return k != centre_ || centre_counts_; }
-  double y(int row, int k) const { return row + offsets_[k] + kSampleShiftY; }
+  int samples() const { return samples_; }
+  bool centre() const { return centre_; }
+  bool locates_level_edges() const { return samples_ >= kLevelSamples; }
+  // Whether the centre plane is one of the sample planes.
+  bool centre_is_sample() const { return samples_ % 2 == 1; }
+
+  double centre_y(int row) const { return row + 0.5 + kSampleShiftY; }
+  // Of the sample plane `index` of the frame: row * samples + k.
+  double sample_y(int64_t index) const { return (double(index) + 0.5) / samples_ + kSampleShiftY; }
+  // Of the plane between the sample planes that serves to locate a level edge.
+  static double level_y(int64_t step) { return double(step) / kLevelSteps + kSampleShiftY; }
+  // The last level plane at or below y.
+  static int64_t level_step(double y) { return int64_t(std::floor((y - kSampleShiftY) * kLevelSteps)); }
+
   // Whether some plane lies in [lo, hi).
   bool any_in(double lo, double hi) const {
-    if (hi <= 0.0 || lo >= rows_) return false;
-    int row = std::max(0, int(std::floor(lo)) - 1);
-    for (; row < rows_ && row <= hi; ++row) {
-      for (std::size_t k = 0; k < offsets_.size(); ++k) {
-        const double plane = y(row, int(k));
-        if (plane >= lo) return plane < hi;
-      }
-    }
-    return false;
+    if (!(hi > 0.0 && lo < rows_)) return false;
+    const double first = std::max(lo, -1.0) - kSampleShiftY, last = hi - kSampleShiftY;
+    const auto between = [&](double per_row, double offset) {
+      return (std::ceil(first * per_row - offset) + offset) / per_row < last;
+    };
+    return (centre_ && between(1.0, 0.5)) || (samples_ > 0 && between(samples_, 0.5)) ||
+           (locates_level_edges() && between(kLevelSteps, 0.0));
   }
 
  private:
-  int rows_, centre_;
-  bool centre_counts_;
-  std::vector<double> offsets_;
+  int rows_, samples_;
+  bool centre_;
 };
 
 }  // namespace nofacet

@@ -16,20 +16,21 @@ struct Probe {
 
 class Line {
  public:
-  Line(const Camera& camera, double tie, std::vector<VisibleSegment>& segments)
+  Line(const Camera& camera, double tie, const std::vector<VisibleSegment>& segments)
       : camera_(camera), tie_(tie), segments_(segments) {}
 
-  void insert(const Span& span) {
+  // Inserts the span into `segments`, the ones this line looks at.
+  void insert(const Span& span, std::vector<VisibleSegment>& segments) {
     const Range old = merge(span);
     if (!shown_) return;
     const std::ptrdiff_t count = old.last - old.first, size = std::ptrdiff_t(merged_.size());
-    const auto first = segments_.begin() + old.first;
+    const auto first = segments.begin() + old.first;
     if (size > count) {
-      segments_.insert(first, size - count, {});
+      segments.insert(first, size - count, {});
     } else {
-      segments_.erase(first, first + (count - size));
+      segments.erase(first, first + (count - size));
     }
-    std::copy(merged_.begin(), merged_.end(), segments_.begin() + old.first);
+    std::copy(merged_.begin(), merged_.end(), segments.begin() + old.first);
   }
 
   void append_shown(const Span& span, std::vector<VisibleSegment>& out) {
@@ -157,7 +158,7 @@ class Line {
 
   const Camera& camera_;
   double tie_;
-  std::vector<VisibleSegment>& segments_;
+  const std::vector<VisibleSegment>& segments_;
   std::vector<VisibleSegment> merged_;
   bool shown_ = false;
 };
@@ -170,10 +171,10 @@ void resolve_visibility(std::vector<Span>& spans, const Camera& camera, double t
   // order, so equal depths are resolved the same way whatever thread draws the row.
   std::stable_sort(spans.begin(), spans.end(), [](const Span& p, const Span& q) { return p.nearest < q.nearest; });
   Line line(camera, tie, out);
-  for (const Span& span : spans) line.insert(span);
+  for (const Span& span : spans) line.insert(span, out);
 }
 
-void visible_parts(const Span& span, std::vector<VisibleSegment>& segments, const Camera& camera, double tie,
+void visible_parts(const Span& span, const std::vector<VisibleSegment>& segments, const Camera& camera, double tie,
                    std::vector<VisibleSegment>& out) {
   Line(camera, tie, segments).append_shown(span, out);
 }

@@ -20,7 +20,7 @@ struct VisibleSegment {
 void resolve_visibility(std::vector<Span>& spans, const Camera& camera, double tie, std::vector<VisibleSegment>& out);
 
 // Appends the stretches of `span` that none of `segments` hides: how a transparent face lies before opaque ones.
-void visible_parts(const Span& span, std::vector<VisibleSegment>& segments, const Camera& camera, double tie,
+void visible_parts(const Span& span, const std::vector<VisibleSegment>& segments, const Camera& camera, double tie,
                    std::vector<VisibleSegment>& out);
 
 }  // namespace nofacet
