@@ -30,6 +30,8 @@ struct Camera {
     eye_space[2] = perspective ? screen[2] : screen[3];
     eye_space[3] = perspective ? screen[3] : screen[2];
   }
+  // Pixels per model unit at a depth.
+  double pixels_at(double depth) const { return perspective ? scale / depth : scale; }
   double depth(const double screen[4]) const { return perspective ? screen[2] / screen[3] : screen[3] / screen[2]; }
 
   static double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

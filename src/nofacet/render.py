@@ -16,7 +16,7 @@ from .model import Model
 
 DEFAULT_METHOD = "bezier_clip_scanline"
 DEFAULT_BUFFERS = ("color", "coverage", "depth", "face")
-# A frame's buffers take 28 bytes a pixel by default and 84 with all of them.
+# A frame's buffers take 32 bytes a pixel by default and 60 with all of them.
 MAX_PIXELS = 1 << 28
 
 _scenes: weakref.WeakKeyDictionary[Model, _native.Scene] = weakref.WeakKeyDictionary()
@@ -49,7 +49,7 @@ def render(
     Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw.
     The frame's `stats` hold the stages' times in seconds and counts.
     """
-    _check(resolution, method, samples, threads, buffers)
+    check_request(resolution, method, samples, threads, buffers)
     if not model.groups:
         raise InputError(f"{model.source}: no face could be converted, there is nothing to draw; see its warnings")
     width, height = resolution
@@ -79,7 +79,10 @@ def render(
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
 
 
-def _check(resolution: tuple[int, int], method: str, samples: int, threads: int | None, buffers: Sequence[str]) -> None:
+def check_request(
+    resolution: tuple[int, int], method: str, samples: int, threads: int | None, buffers: Sequence[str]
+) -> None:
+    """Raise ValueError, in one line, for what render() would refuse whatever the model and the camera."""
     width, height = resolution
     if width < 1 or height < 1 or width * height > MAX_PIXELS:
         raise ValueError(

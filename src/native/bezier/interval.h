@@ -19,7 +19,6 @@ struct Interval {
   // Smallest absolute value in the interval; 0 if it contains zero.
   double mignitude() const { return lo > 0 ? lo : hi < 0 ? -hi : 0.0; }
   bool positive() const { return lo > 0; }
-  bool negative() const { return hi < 0; }
   bool one_signed() const { return lo > 0 || hi < 0; }
 };
 

@@ -5,16 +5,6 @@
 
 namespace nofacet {
 
-ScreenJet::ScreenJet(const Jet& jet) {
-  const double r = 1.0 / jet.p[kW];
-  x = jet.p[kX] * r;
-  y = jet.p[kY] * r;
-  xa = (jet.pa[kX] - x * jet.pa[kW]) * r;
-  xb = (jet.pb[kX] - x * jet.pb[kW]) * r;
-  ya = (jet.pa[kY] - y * jet.pa[kW]) * r;
-  yb = (jet.pb[kY] - y * jet.pb[kW]) * r;
-}
-
 namespace {
 
 // Degrees known at compile time let the compiler unroll; -1 means read from the net.

@@ -1,4 +1,4 @@
-// A patch's control net in screen space: homogeneous points (X, Y, W, Z), pixel x = X / W, pixel y = Y / W.
+// A rational Bezier patch's control net and its bounds. Points are homogeneous, (X, Y, W, Z): x = X / W, y = Y / W.
 #pragma once
 #include <cstddef>
 
@@ -21,18 +21,6 @@ struct Net {
 // Homogeneous point and its two partial derivatives.
 struct Jet {
   double p[4], pa[4], pb[4];
-
-  double x() const { return p[kX] / p[kW]; }
-  double y() const { return p[kY] / p[kW]; }
-};
-
-// First derivatives in pixels of the screen position.
-struct ScreenJet {
-  double x, y, xa, xb, ya, yb;
-  explicit ScreenJet(const Jet& jet);
-  double jacobian() const { return xa * yb - xb * ya; }
-  // dx/da along the curve y = const (b follows a).
-  double x_along_cut() const { return xa - xb * ya / yb; }
 };
 
 Jet evaluate(const Net& net, double a, double b);

@@ -36,6 +36,7 @@ class FacePoints {
     placement_ = scene.model.placements + 16 * std::size_t(scene.model.face_placement[face]);
   }
   bool empty() const { return first_ == end_; }
+  const Camera& camera() const { return camera_; }
 
   LinePoint at(double u, double v) {
     const Scene::PatchRef& patch = find(u, v);
@@ -88,7 +89,9 @@ void flatten(FacePoints& points, const double* curve, int degree, const Frame& f
   const double t = 0.5 * (t0 + t1);
   const CurvePoint c = evaluate_curve(curve, degree, t);
   const LinePoint middle = points.at(c.u, c.v);
-  const double bend = std::hypot(middle.x - 0.5 * (p0.x + p1.x), middle.y - 0.5 * (p0.y + p1.y));
+  const double bend =
+      std::hypot(middle.x - 0.5 * (p0.x + p1.x), middle.y - 0.5 * (p0.y + p1.y),
+                 (middle.depth - 0.5 * (p0.depth + p1.depth)) * points.camera().pixels_at(middle.depth));
   // The first halvings are unconditional, so that a symmetric S does not pass for straight.
   const bool straight = halvings >= 3 && bend <= kFlatness && p0.in_front && p1.in_front;
   if (straight || halvings >= kMaxHalvings) {
@@ -117,18 +120,19 @@ std::vector<Chord> face_chords(const Scene& scene, const Camera& camera, const F
   return chords;
 }
 
-// The farthest surface depth around a pixel: a line lies on its surface, which may fall away steeply inside a pixel.
-double depth_around(const Frame& frame, int px, int py) {
-  double farthest = -INFINITY;
-  for (int y = std::max(0, py - 1); y <= std::min(frame.height - 1, py + 1); ++y) {
-    for (int x = std::max(0, px - 1); x <= std::min(frame.width - 1, px + 1); ++x) {
-      farthest = std::max(farthest, frame.depth[std::size_t(y) * frame.width + x]);
-    }
-  }
-  return farthest;
+// How much the depth of the surface at a pixel changes towards its neighbours. A step to another surface on one side
+// does not count: the smoother side decides.
+double depth_slope(const Frame& frame, int x, int y) {
+  const double* depth = frame.depth + std::size_t(y) * frame.width + x;
+  auto step = [&](bool before, bool after, std::ptrdiff_t stride) {
+    const double p = before ? std::fabs(depth[-stride] - *depth) : INFINITY;
+    const double q = after ? std::fabs(depth[stride] - *depth) : INFINITY;
+    return std::min(p, q);
+  };
+  return step(x > 0, x + 1 < frame.width, 1) + step(y > 0, y + 1 < frame.height, frame.width);
 }
 
-void draw_chord(const Chord& chord, const Frame& frame, double slack, int row0, int row1, float* opacity) {
+void draw_chord(const Chord& chord, const Camera& camera, const Frame& frame, int row0, int row1, float* opacity) {
   const LinePoint &p = chord.from, &q = chord.to;
   const double dx = q.x - p.x, dy = q.y - p.y, length2 = dx * dx + dy * dy, reach = kHalfWidth + 0.5;
   const int y0 = std::max(row0, int(std::floor(std::min(p.y, q.y) - reach)));
@@ -143,7 +147,10 @@ void draw_chord(const Chord& chord, const Frame& frame, double slack, int row0, 
       const float strength = float(kOpacity * std::clamp(reach - distance, 0.0, 1.0));
       float& pixel = opacity[std::size_t(y - row0) * frame.width + x];
       if (strength <= pixel) continue;
-      if (p.depth + t * (q.depth - p.depth) <= depth_around(frame, x, y) + slack) pixel = strength;
+      // A line lies on its surface, which may fall away inside the pixel; the chord lies off it by its flatness.
+      const double surface = frame.depth[std::size_t(y) * frame.width + x], line = p.depth + t * (q.depth - p.depth);
+      const double slack = 1.5 * depth_slope(frame, x, y) + 2.0 * kFlatness / camera.pixels_at(line);
+      if (std::isinf(surface) || line <= surface + slack) pixel = strength;
     }
   }
 }
@@ -156,21 +163,18 @@ void draw_edge_lines(const Scene& scene, const Camera& camera, int threads, cons
                [&](std::size_t face, int) { chords[face] = face_chords(scene, camera, frame, int32_t(face)); });
   const int bands = (frame.height + kBandRows - 1) / kBandRows;
   std::vector<std::vector<const Chord*>> by_band(bands);
-  Interval depth = Interval::empty();
   for (const auto& list : chords) {
     for (const Chord& chord : list) {
-      depth.include(chord.from.depth);
       const double lo = std::min(chord.from.y, chord.to.y) - 2, hi = std::max(chord.from.y, chord.to.y) + 2;
       const int first = std::clamp(int(std::max(lo, 0.0)) / kBandRows, 0, bands - 1);
       const int last = std::clamp(int(std::min(std::max(hi, 0.0), double(frame.height))) / kBandRows, 0, bands - 1);
       for (int band = first; band <= last; ++band) by_band[band].push_back(&chord);
     }
   }
-  const double slack = 1e-6 * std::max(0.0, depth.width());
   parallel_for(by_band.size(), threads, [&](std::size_t band, int) {
     const int row0 = int(band) * kBandRows, row1 = std::min(frame.height, row0 + kBandRows);
     std::vector<float> opacity(std::size_t(row1 - row0) * frame.width, 0.0f);
-    for (const Chord* chord : by_band[band]) draw_chord(*chord, frame, slack, row0, row1, opacity.data());
+    for (const Chord* chord : by_band[band]) draw_chord(*chord, camera, frame, row0, row1, opacity.data());
     float* color = frame.color + 4 * std::size_t(row0) * frame.width;
     for (std::size_t k = 0; k < opacity.size(); ++k) {
       const float a = opacity[k];

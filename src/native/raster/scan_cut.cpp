@@ -264,7 +264,7 @@ void bisect_cut(const Span& span, double x, SurfaceSample* sample) {
     a = next;
     b = cut_at(*span.piece, span.y, a, b);
     sample->jet = evaluate(span.piece->net, a, b);
-    const double at = sample->jet.x();
+    const double at = sample->jet.p[kX] / sample->jet.p[kW];
     if (std::fabs(at - x) < 1e-11) break;
     (at < x ? a0 : a1) = a;
     (at < x ? x0 : x1) = at;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "raster/piece.h"
+#include "raster/screen_jet.h"
 
 namespace nofacet {
 

@@ -22,7 +22,6 @@ class ScanPlanes {
   // `samples`: planes a row for coverage, 0 for none; `centre`: whether planes through the pixel centres are wanted.
   ScanPlanes(int rows, int samples, bool centre) : rows_(rows), samples_(samples), centre_(centre) {}
 
-  int rows() const { return rows_; }
   int samples() const { return samples_; }
   bool centre() const { return centre_; }
   bool locates_level_edges() const { return samples_ >= kLevelSamples; }

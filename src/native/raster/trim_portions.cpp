@@ -28,7 +28,8 @@ class PortionFinder {
     const CurvePoint c = arc_.at(t);
     End e{t, c.u, c.v, 0, 0, 0};
     piece_.local_from_face(c.u, c.v, &e.a, &e.b);
-    e.y = evaluate(piece_.net, e.a, e.b).y();
+    const Jet jet = evaluate(piece_.net, e.a, e.b);
+    e.y = jet.p[kY] / jet.p[kW];
     return e;
   }
 

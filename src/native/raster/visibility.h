@@ -16,7 +16,7 @@ struct VisibleSegment {
 // differ by rounding only; the face with the lower index is then shown.
 //
 // Fills `out` with disjoint segments, ascending in x. Where two surfaces pass through each other the crossing is solved
-// to 1e-6 px; a second crossing of the same two spans within half a pixel of a scan plane may be missed.
+// to 1e-6 px; a second crossing of the same two spans within half a pixel along x may be missed.
 void resolve_visibility(std::vector<Span>& spans, const Camera& camera, double tie, std::vector<VisibleSegment>& out);
 
 // Appends the stretches of `span` that none of `segments` hides: how a transparent face lies before opaque ones.

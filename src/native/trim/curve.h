@@ -1,7 +1,5 @@
 // Trim curves: rational Bezier segments in a face's (u, v), cut where they turn so that each arc is monotone in both.
 #pragma once
-#include <cstdint>
-
 #include "bezier/interval.h"
 
 namespace nofacet {
@@ -20,7 +18,6 @@ void derivative_bounds(const double* points, int degree, double t0, double t1, I
 struct TrimArc {
   const double* points;
   int degree;
-  int32_t edge;
   double t0, t1;
   double u0, v0, u1, v1;
 

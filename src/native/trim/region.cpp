@@ -44,12 +44,12 @@ Region::Region(const Model& model, std::size_t definition) {
   arcs_.reserve(last - first);
   for (int64_t k = first; k < last; ++k) {
     const int degree = int(model.segment_offsets[k + 1] - model.segment_offsets[k]) - 1;
-    add_segment(model.segment_points + 3 * model.segment_offsets[k], degree, model.segment_edge[k]);
+    add_segment(model.segment_points + 3 * model.segment_offsets[k], degree);
   }
   fill_bins();
 }
 
-void Region::add_segment(const double* points, int degree, int32_t edge) {
+void Region::add_segment(const double* points, int degree) {
   double cuts[kMaxTurns] = {0.0};
   int count = 1;
   if (degree > 1) {
@@ -66,7 +66,7 @@ void Region::add_segment(const double* points, int degree, int32_t edge) {
     if (cuts[k] <= cuts[k - 1]) continue;
     const CurvePoint to = evaluate_curve(points, degree, cuts[k]);
     if (from.u != to.u || from.v != to.v) {
-      arcs_.push_back({points, degree, edge, cuts[k - 1], cuts[k], from.u, from.v, to.u, to.v});
+      arcs_.push_back({points, degree, cuts[k - 1], cuts[k], from.u, from.v, to.u, to.v});
     }
     from = to;
   }

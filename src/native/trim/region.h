@@ -9,7 +9,6 @@ namespace nofacet {
 
 class Region {
  public:
-  Region() = default;
   // Reads the loops of one definition of the model, whose arrays must outlive the region.
   Region(const Model& model, std::size_t definition);
 
@@ -23,7 +22,7 @@ class Region {
   double v_min_ = 0.0, v_max_ = 0.0, bins_per_v_ = 0.0;
   int bins_ = 0;
 
-  void add_segment(const double* points, int degree, int32_t edge);
+  void add_segment(const double* points, int degree);
   void fill_bins();
   int bin(double v) const;
 };
