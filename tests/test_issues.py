@@ -79,3 +79,48 @@ def test_wall_edge_on_to_the_last_digits_terminates(amplitude: float) -> None:
         assert frame.stats["unresolved"] == 0
         assert frame.stats["pieces"] < 20000
         assert frame.coverage.sum() < 1.0
+
+
+@pytest.mark.parametrize("direction", [(0.0, 1.0, 0.0), (1.0, 0.0, 0.0)])
+@pytest.mark.parametrize("up", [(0.0, 0.0, 1.0), (0.6, 0.6, 0.0)])
+def test_level_edges_are_placed_between_scan_planes(
+    direction: tuple[float, float, float], up: tuple[float, float, float]
+) -> None:
+    """A cylinder from the side: its level ends, or its level outline, fell on the nearest of 16 strips."""
+    height, radius, view_height = 7.3, 2.17, 9.37
+    model = nofacet.load(cq.Workplane().cylinder(height, radius))
+    eye = tuple(0.123 - 50 * d for d in direction)
+    camera = nofacet.Camera("orthographic", eye, (0.123, 0.123, 0.123), up, view_height=view_height)
+    frame = nofacet.render(model, camera, RESOLUTION, samples=16, buffers=("coverage",))
+    pixel = view_height / RESOLUTION[1]
+    outline_pixels = 2 * (height + 2 * radius) / pixel
+    area = float(frame.coverage.sum(dtype=np.float64)) * pixel**2
+    assert abs(area - 2 * radius * height) / pixel**2 < 1e-3 * outline_pixels
+
+
+def test_eye_close_above_a_face_that_passes_under_it() -> None:
+    """Pieces whose depths differ much were halved in the wrong direction, and their area was never certified."""
+    model = nofacet.load(cq.Workplane().rect(100, 100).extrude(1))
+    camera = nofacet.Camera("perspective", (0.0, 0.0, 1.0001), (10.0, 1.0, 1.0), (0.0, 0.0, 1.0), view_angle=90.0)
+    frame = nofacet.render(model, camera, RESOLUTION)
+    assert frame.stats["unresolved"] == 0
+    assert frame.stats["pieces"] < 2000
+    assert (frame.face[62:] >= 0).all()
+
+
+def test_slanted_strip_seen_almost_edge_on() -> None:
+    """x and y vary together along a thin strip; only bounds along and across it could prove anything."""
+    points = [[cq.Vector(x, y, 1e-4 * np.sin(x + y)) for y in np.linspace(0, 5, 9)] for x in np.linspace(0, 5, 9)]
+    model = nofacet.load(cq.Face.makeSplineApprox(points, tol=1e-9, smoothing=None, minDeg=3, maxDeg=8))
+    camera = nofacet.Camera("orthographic", (50.0, 2.5, 0.01), (2.5, 2.5, 0.0), (0.0, 0.4, 1.0), view_height=6.0)
+    frame = nofacet.render(model, camera, RESOLUTION)
+    assert frame.stats["unresolved"] == 0
+    assert frame.stats["pieces"] < 3000
+
+
+def test_normal_at_a_pole_seen_head_on() -> None:
+    """The middle pixel shows a sphere's pole, where one derivative vanishes; the normal there is the limit."""
+    model = nofacet.load(cq.Workplane().sphere(5))
+    camera = nofacet.Camera("orthographic", (0.0, 0.0, 50.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), view_height=12.0)
+    frame = nofacet.render(model, camera, (121, 91), buffers=("normal",))
+    assert np.abs(frame.normal[45, 60] - (0, 0, 1)).max() < 1e-6

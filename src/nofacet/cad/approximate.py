@@ -29,7 +29,6 @@ def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surface, flo
     from OCP.Geom import Geom_RectangularTrimmedSurface
     from OCP.GeomAbs import GeomAbs_C2
     from OCP.GeomConvert import GeomConvert_ApproxSurface
-    from OCP.Standard import Standard_Failure
     from OCP.TopLoc import TopLoc_Location
 
     surface = BRep_Tool.Surface_s(face_of(shape, index), TopLoc_Location())
@@ -42,7 +41,9 @@ def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surface, flo
             raise ValueError("OpenCascade finds no approximation of its surface")
         spline = maker.Surface()
         face = BRepBuilderAPI_MakeFace(spline, TOLERANCE * size).Face()
-    except Standard_Failure as failure:
+    except ValueError:
+        raise
+    except Exception as failure:  # OCP's exceptions share no narrower base
         raise ValueError(f"OpenCascade cannot approximate its surface ({type(failure).__name__})") from failure
     error = float(np.linalg.norm(_sample(spline, box) - exact, axis=-1).max())
     result: Surface = brep.read(face).surfaces[1]
