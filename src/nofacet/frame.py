@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +86,7 @@ class Frame:
         color = self.color.copy()
         color[..., :3] += (1 - color[..., 3:]) * _linear_from_srgb(np.asarray(background, np.float32))
         color[..., 3] = 1
-        return Frame(self.camera, {**self._buffers, "color": color})
+        return Frame(self.camera, {**self._buffers, "color": color}, self.stats)
 
     def save(self, path: str | Path, buffers: Sequence[str] | None = None) -> None:
         """Write the frame to a .png (color, 8-bit sRGB), .exr or .npz file (all buffers, or those named).
@@ -98,6 +97,8 @@ class Frame:
         Raises ValueError for another extension or an unknown buffer, AttributeError for a buffer that was not
         rendered, OSError where the file cannot be written.
         """
+        from importlib.metadata import version  # 25 ms to import, which reading a model should not pay
+
         path = Path(path)
         extension = check_extension(path)
         if not path.parent.is_dir():

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import OpenImageIO as oiio
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import OpenImageIO as oiio  # 30 ms, which only those who touch images should pay
 
 
 def write(
@@ -22,6 +24,8 @@ def write(
     uint8 pixels are written as sRGB with unassociated alpha, float32 ones as linear values just as they are.
     Raises OSError where the file cannot be written.
     """
+    import OpenImageIO as oiio
+
     height, width, count = pixels.shape
     spec = oiio.ImageSpec(width, height, count, "uint8" if pixels.dtype == np.uint8 else "float")
     spec.channelnames = tuple(channels)
@@ -64,6 +68,8 @@ def read_attribute(path: str | Path, name: str) -> str | None:
 
 
 def _open(path: str | Path) -> oiio.ImageInput:
+    import OpenImageIO as oiio
+
     as_stored = oiio.ImageSpec()
     as_stored.attribute("oiio:UnassociatedAlpha", 1)
     source = oiio.ImageInput.open(str(path), as_stored)
