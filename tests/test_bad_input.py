@@ -24,12 +24,12 @@ needs_bad_models = pytest.mark.skipif(not BAD.is_dir(), reason="the shared test 
 REASONS = {
     "Ball.badversion.brep": "cannot read this BREP file",
     "Ball.truncated50.brep": "cannot read this BREP file",
-    "ap203_malformed_representation.stp": "has no faces",
+    "ap203_malformed_representation.stp": "has no faces, so there is nothing to draw; export solids or surfaces",
     "ap203_periodic_pole_solid.stp": "declares 30 faces, OpenCascade delivered none",
     "ap242_pmi.stp": "has no faces",
     "as1-oc-214.truncated60.stp": "is cut short",
     "cheese.lfs_pointer.stp": "run git lfs pull",
-    "empty.stp": "is empty",
+    "empty.stp": "is empty; export or copy the model again",
     "random.brep": "is neither a STEP nor a BREP file",
     "screw.bitflip40.step": "declares 10 faces, OpenCascade delivered none",
 }
@@ -41,6 +41,7 @@ def refusal(path: Path | str, timeout: float = 60.0) -> str:
     line = str(caught.value)
     assert str(path) in line
     assert "\n" not in line
+    assert ";" in line.removeprefix(str(path))  # what is wrong; what to do
     return line
 
 

@@ -37,8 +37,6 @@ class Stand:
 
     def render(self, model: Model, camera: Camera, **options: Any) -> Frame:
         self.rendered = {"camera": camera, **options}
-        if options["samples"] > 256:
-            raise ValueError("samples 257: give 1 to 256 scan planes a pixel row")
         width, height = options["resolution"]
         buffers = {
             name: np.zeros((height, width) + ((BUFFERS[name][1],) if BUFFERS[name][1] > 1 else ()), BUFFERS[name][0])
@@ -176,6 +174,7 @@ def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments
         (["--camera=list.json", "--camera-direction=top"], "leave out --camera-direction"),
         (["--method=bezier_clip_scan"], "did you mean bezier_clip_scanline?"),
         (["--samples=257"], "give 1 to 256"),
+        (["--threads=1025"], "give 1 to 1024"),
         (["--output=part.jpg"], "use .png, .exr or .npz"),
         (["--output=part"], "use .png, .exr or .npz"),
         (["--buffers=depth"], "is for .exr and .npz"),
@@ -189,6 +188,7 @@ def test_wrong_values(stand: Stand, capsys: pytest.CaptureFixture[str], options:
     assert run("--output=part.png", *options) == 2
     assert message in only_line(capsys)
     assert not Path("part.png").exists()
+    assert not stand.loaded or options[0].startswith("--camera")  # found before the long work
 
 
 def test_output_that_cannot_be_written(stand: Stand, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -266,6 +266,9 @@ def test_info(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:
     stand.model = replace(
         stand.model,
         conversion_error=np.array([2e-15]),
+        edge_use_face=np.zeros(3, np.int32),
+        edge_use_deviation=np.array([1e-9, np.nan, 0.02]),
+        edge_use_tolerance=np.array([1e-7, 1e-7, 1e-2]),
         tree=[Node("assembly", -1, np.empty(0, np.int32)), Node("ball", 0, np.array([0], np.int32))],
         warnings=["face 0: too round"],
     )
@@ -279,9 +282,17 @@ def test_info(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:
         "size       2 x 2 x 2 mm",
         "2.0e-15 mm",
         "    ball  (1 face",
+        "2 edge uses measured, at most 2.0e-02 mm from the curves that trim (face 0); 1 exceeds its recorded tolerance",
     ):
         assert part in text
     assert "     0  sphere             8     0  2.0e-15 mm" in text
+    assert "2.0e-02 mm                   1\n" in text
+
+
+def test_info_without_edges_to_measure(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["info", "part.step", "--faces"]) == 0
+    text = capsys.readouterr().out
+    assert "no edge uses measured" in text and text.splitlines()[-1].split()[-3:] == ["not", "measured", "0"]
 
 
 def test_help_and_version(capsys: pytest.CaptureFixture[str]) -> None:

@@ -274,15 +274,3 @@ def test_bezier_pieces_of_a_bspline_are_the_bspline(data: st.DataObject) -> None
             while len(level) > 1:
                 level = (1 - s) * level[:-1] + s * level[1:]
             np.testing.assert_allclose(level[0], de_boor(degree, flat, poles, a + s * (b - a)), atol=1e-9, rtol=1e-9)
-
-
-def test_edge_deviations_find_the_gap_between_an_edge_and_its_face() -> None:
-    solid = BRepPrimAPI_MakeCylinder(1.0, 2.0).Shape()
-    good = measure.edge_deviations(solid)
-    assert len(good.face) == 6 and good.distance.max() <= 1e-12  # two circles twice, the seam twice
-    if not (SHARED_MODELS / "occt/MODERN_Sink_1.brep").exists():
-        pytest.skip(f"{SHARED_MODELS} is not there")
-    shape = TopoDS_Shape()
-    BRepTools.Read_s(shape, str(SHARED_MODELS / "occt/MODERN_Sink_1.brep"), BRep_Builder())
-    real = measure.edge_deviations(shape)
-    assert 1e-5 < real.distance.max() <= real.tolerance.max()

@@ -31,6 +31,7 @@ from .cli_options import (
 )
 from .errors import InputError
 from .frame import BUFFERS, Frame, check_extension
+from .render import check_request
 from .summary import summary
 
 WHITE = (1.0, 1.0, 1.0)
@@ -103,12 +104,26 @@ def _render(options: argparse.Namespace) -> int:
     to_stdout = options.output == "-"
     output = Path("-.png" if to_stdout else options.output)
     _check_output(options, output, to_stdout)
+    buffers = _rendered_buffers(options, output)
+    try:
+        check_request(options.resolution, options.method, options.samples, options.threads, buffers)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
     camera = _camera_from_file(options)
     model = _load(options)
     with _stage(options, "fit camera"):
         camera = camera or _fitted_camera(options, model)
     with _stage(options, "render"):
-        frame = _rendered(options, model, camera, _rendered_buffers(options, output))
+        frame = nofacet.render(
+            model,
+            camera,
+            resolution=options.resolution,
+            method=options.method,
+            samples=options.samples,
+            threads=options.threads,
+            buffers=buffers,
+            edges=options.edges,
+        )
     incomplete = frame.stats.get("unresolved_faces", ())
     for face in incomplete:
         _say(f"warning: face {face} is not drawn completely: part of it could not be computed reliably")
@@ -147,24 +162,6 @@ def _load(options: argparse.Namespace, measure: bool = False) -> nofacet.Model:
     for warning in model.warnings:
         _say(f"warning: {warning}")
     return model
-
-
-def _rendered(options: argparse.Namespace, model: nofacet.Model, camera: Camera, buffers: tuple[str, ...]) -> Frame:
-    try:
-        return nofacet.render(
-            model,
-            camera,
-            resolution=options.resolution,
-            method=options.method,
-            samples=options.samples,
-            threads=options.threads,
-            buffers=buffers,
-            edges=options.edges,
-        )
-    except InputError:
-        raise
-    except ValueError as error:  # more samples or threads than it takes
-        raise UsageError(str(error)) from error
 
 
 def _check_output(options: argparse.Namespace, output: Path, to_stdout: bool) -> None:

@@ -1,8 +1,8 @@
 """The model that every renderer draws: rational Bezier patches and trim loops in plain arrays.
 
 Nothing here knows OpenCascade. Distinct faces ("definitions") are converted once; an assembly that uses one of
-them a thousand times holds a thousand (definition, placement) pairs. Length n, D, L, S, M, F, K below are the number
-of patches of a group, definitions, loops, segments, segment points, placed faces and placements.
+them a thousand times holds a thousand (definition, placement) pairs. Length n, D, L, S, M, F, K, E below are the
+number of patches of a group, definitions, loops, segments, segment points, placed faces, placements and edge uses.
 """
 
 from __future__ import annotations
@@ -73,6 +73,12 @@ class Model:
     face_color: (F, 4) float32, linear RGBA.
     face_name: F strings, "" without a name.
 
+    Uses of edges in placed faces, E of them, face by face; E = 0 where not measured:
+    edge_use_face: (E,) int32, the placed face.
+    edge_use_deviation: (E,) float64, distance between the edge's curve in space and the curve on the surface that
+        trims the face, model units; NaN where it could not be computed.
+    edge_use_tolerance: (E,) float64, how large the source says that distance may be, model units.
+
     tree: assembly nodes, parents before children; may be empty.
     warnings: one line each.
     """
@@ -93,6 +99,9 @@ class Model:
     face_outward: NDArray[np.int8]
     face_color: NDArray[np.float32]
     face_name: list[str]
+    edge_use_face: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
+    edge_use_deviation: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    edge_use_tolerance: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     tree: list[Node] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 

@@ -9,7 +9,7 @@ from .model import Model
 
 
 def summary(model: Model, faces: bool = False) -> str:
-    """Counts, size, assembly, surface types with their conversion errors, trims and warnings; a line a face on request.
+    """Counts, size, edge deviations, surface types with conversion errors, assembly, warnings; on request all faces.
 
     Lengths are in model units (mm as OpenCascade delivers them). Raises InputError for a model without surfaces.
     """
@@ -24,6 +24,7 @@ def summary(model: Model, faces: bool = False) -> str:
         f"  box        ({_triple(low)}) to ({_triple(high)})",
         f"  trims      {len(model.loop_offsets) - 1} loops of {len(model.segment_edge)} segments; "
         f"{int(np.count_nonzero(model.trimmed))} of {model.definition_count} faces need them",
+        f"  edges      {_edges(model)}",
     ]
     lines += ["", *_surface_table(model, diagonal)]
     if model.tree:
@@ -37,6 +38,20 @@ def summary(model: Model, faces: bool = False) -> str:
 
 def _triple(values: np.ndarray, separator: str = ", ") -> str:
     return separator.join(f"{value:.6g}" for value in values)
+
+
+def _edges(model: Model) -> str:
+    """How far the edges in space are from the curves that trim the faces."""
+    deviation = model.edge_use_deviation
+    if not np.isfinite(deviation).any():
+        return "no edge uses measured"
+    worst = int(np.nanargmax(deviation))
+    over = np.count_nonzero(deviation > model.edge_use_tolerance)
+    exceed = "1 exceeds its" if over == 1 else f"{over} exceed their"
+    return (
+        f"{np.count_nonzero(np.isfinite(deviation))} edge uses measured, at most {deviation[worst]:.1e} mm from the "
+        f"curves that trim (face {model.edge_use_face[worst]}); {exceed} recorded tolerance"
+    )
 
 
 def _patches_per_definition(model: Model) -> np.ndarray:
@@ -80,12 +95,18 @@ def _tree(model: Model) -> list[str]:
 
 def _face_table(model: Model, diagonal: float) -> list[str]:
     patches = _patches_per_definition(model)
-    lines = [f"{'face':>6}  {'surface':<12}{'patches':>8}{'loops':>6}  conversion error"]
+    deviation = np.full(model.face_count, np.nan)
+    np.fmax.at(deviation, model.edge_use_face, model.edge_use_deviation)
+    exceeding = model.edge_use_deviation > model.edge_use_tolerance
+    over = np.bincount(model.edge_use_face[exceeding], minlength=model.face_count)
+    head = f"{'face':>6}  {'surface':<12}{'patches':>8}{'loops':>6}  {'conversion error':<36}"
+    lines = [f"{head}{'edge deviation':<16}over tolerance"]
     for face, definition in enumerate(model.face_definition):
         loops = model.definition_loops[definition + 1] - model.definition_loops[definition]
         error = _error(float(model.conversion_error[definition]), diagonal)
+        edges = "not measured" if np.isnan(deviation[face]) else f"{deviation[face]:.1e} mm"
         name = f"  {model.face_name[face]}" if model.face_name[face] else ""
-        lines.append(
-            f"{face:>6}  {model.surface_type[definition]:<12}{patches[definition]:>8}{loops:>6}  {error}{name}"
-        )
+        kind = model.surface_type[definition]
+        counts = f"{face:>6}  {kind:<12}{patches[definition]:>8}{loops:>6}"
+        lines.append(f"{counts}  {error:<36}{edges:<16}{over[face]:>14}{name}")
     return lines

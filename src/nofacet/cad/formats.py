@@ -52,7 +52,7 @@ def file_format(path: str) -> Format:
     """
     head = _read_head(path)
     if not head.strip():
-        raise InputError(f"{path}: is empty")
+        raise InputError(f"{path}: is empty; export or copy the model again")
     if head.startswith(_LFS_POINTER):
         raise InputError(f"{path}: is a Git LFS pointer, not the model itself; run git lfs pull")
     for signature, file_format_ in _SIGNATURES:
@@ -70,12 +70,12 @@ def _read_head(path: str) -> bytes:
         with open(path, "rb") as file:
             return file.read(4096)
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
+        raise InputError(f"{path}: no such file; check the path") from None
     except PermissionError:
         raise InputError(f"{path}: no permission to read it; change its permissions or copy it") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path!r}: cannot be opened ({reason})") from None
+        raise InputError(f"{path!r}: cannot be opened ({reason}); check the path") from None
 
 
 def scan_step_text(text: bytes) -> StepText:

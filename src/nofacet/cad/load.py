@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 from nofacet.cad.formats import file_format
@@ -26,7 +25,8 @@ def load(
         A file is read in a process of its own, which cannot take this one down.
     timeout: seconds that reading a file may take, math.inf for no limit.
     progress: called once a second with a line of text while a file is read; True: write it to standard error.
-    measure: compare every patch with OpenCascade's surface and fill Model.conversion_error.
+    measure: compare every patch with OpenCascade's surface and every edge with the curve that trims, and fill
+        Model.conversion_error, edge_use_face, edge_use_deviation and edge_use_tolerance.
 
     Lengths are in mm for STEP files (OpenCascade converts), else as in the source. Colours are linear RGBA.
     Raises InputError (one line: what is wrong, what to do) if there is nothing to show. What is lost of a model that
@@ -42,9 +42,9 @@ def load(
     shape, appearance = cad_object(source)
     model = appearance.applied_to(convert(shape, type(source).__name__))
     if measure:
-        from nofacet.cad.measure import conversion_errors
+        from nofacet.cad.measure import measured
 
-        model = replace(model, conversion_error=conversion_errors(shape, model))
+        model = measured(shape, model)
     return model
 
 

@@ -1,8 +1,9 @@
-"""How far the patches are from OpenCascade's surfaces, and the file's edges from their own curves in (u, v)."""
+"""How far the patches are from OpenCascade's surfaces; everything that is measured of a model."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from math import comb
 from typing import TYPE_CHECKING
@@ -11,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Model, PatchGroup
+from .surfaces import ELEMENTARY
 
 if TYPE_CHECKING:
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 Array = NDArray[np.float64]
@@ -49,11 +50,32 @@ def parameters(group: PatchGroup, which: NDArray[np.int64], samples: int) -> tup
     return result[0], result[1]
 
 
+def measured(shape: TopoDS_Shape, model: Model, enter_stage: Callable[[str], None] = lambda stage: None) -> Model:
+    """model with conversion_error and the edge uses filled in. model must be shape's model.
+
+    enter_stage is called with a few words as each stage begins.
+    """
+    from .deviations import edge_deviations
+
+    enter_stage("measuring the conversion error")
+    errors = conversion_errors(shape, model)
+    enter_stage("measuring the edges")
+    edges = edge_deviations(shape)
+    return replace(
+        model,
+        conversion_error=errors,
+        edge_use_face=edges.face,
+        edge_use_deviation=edges.distance,
+        edge_use_tolerance=edges.tolerance,
+    )
+
+
 def conversion_errors(shape: TopoDS_Shape, model: Model) -> Array:
     """Largest distance (D,), model units, between each definition's patches and BRepAdaptor_Surface at equal (u, v).
 
-    Every patch is compared at a grid of parameters with its borders: 9 x 9, on faces of over 64 patches 5 x 5, of
-    over 1000 patches 3 x 3. NaN for definitions without a surface or without patches. model must be shape's model.
+    Every patch is compared at a grid of parameters with its borders: 9 x 9, on faces of over 64 patches and on the
+    elementary surfaces (their patches are quadratic at most) 5 x 5, on faces of over 1000 patches 3 x 3. NaN for
+    definitions without a surface or without patches. model must be shape's model.
     """
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 
@@ -67,7 +89,8 @@ def conversion_errors(shape: TopoDS_Shape, model: Model) -> Array:
             if model.surface_type[definition] == "triangles":
                 continue
             which = np.arange(starts[definition], starts[definition + 1])
-            samples = 9 if len(which) <= 64 else 5 if len(which) <= 1000 else 3
+            few = len(which) <= 64 and model.surface_type[definition] not in ELEMENTARY
+            samples = 9 if few else 5 if len(which) <= 1000 else 3
             placement = model.placements[model.face_placement[first_face[definition]]]
             ours = evaluate(group, which, samples) @ placement[:3, :3].T + placement[:3, 3]
             surface = BRepAdaptor_Surface(faces[first_face[definition]], False)
@@ -80,49 +103,6 @@ def conversion_errors(shape: TopoDS_Shape, model: Model) -> Array:
     return errors
 
 
-@dataclass(frozen=True)
-class EdgeDeviations:
-    """One entry for each use of an edge in a placed face, in OpenCascade's exploration order.
-
-    face: (n,) int32, index of the placed face. distance: (n,) float64, model units, the largest distance of the edge's
-    3-D curve from its curve on the face's surface. tolerance: (n,) float64, what the file's reader recorded.
-    """
-
-    face: NDArray[np.int32]
-    distance: Array
-    tolerance: Array
-
-
-def edge_deviations(shape: TopoDS_Shape, samples: int = 23) -> EdgeDeviations:
-    """Measure how far each edge's 3-D curve runs from the curve in (u, v) that trimming follows.
-
-    At equal parameter first, at `samples` parameters, which bounds the distance from above. Where that exceeds 1e-7 of
-    the edge's extent the curves are compared as curves: each point of the one with a chord polyline through ten times
-    as many points of the other. Degenerate edges and edges without a 3-D curve are left out.
-    """
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.TopAbs import TopAbs_EDGE
-    from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS
-
-    rows = []
-    for index, face in enumerate(_faces(shape)):
-        if BRep_Tool.Surface_s(face) is None:
-            continue
-        explorer = TopExp_Explorer(face, TopAbs_EDGE)
-        while explorer.More():
-            edge = TopoDS.Edge_s(explorer.Current())
-            explorer.Next()
-            if BRep_Tool.Degenerated_s(edge) or not BRep_Tool.IsGeometric_s(edge):
-                continue
-            tolerance = BRep_Tool.Tolerance_s(edge)
-            curves = BRepAdaptor_Curve(edge), BRepAdaptor_Curve(edge, face)
-            rows.append((index, _distance(*curves, samples), tolerance))
-    columns = np.array(rows, float).reshape(-1, 3)
-    return EdgeDeviations(columns[:, 0].astype(np.int32), columns[:, 1], columns[:, 2])
-
-
 def _faces(shape: TopoDS_Shape) -> list[TopoDS_Face]:
     from OCP.TopAbs import TopAbs_FACE
     from OCP.TopExp import TopExp
@@ -132,23 +112,3 @@ def _faces(shape: TopoDS_Shape) -> list[TopoDS_Face]:
     faces = TopTools_IndexedMapOfShape()
     TopExp.MapShapes_s(shape, TopAbs_FACE, faces)
     return [TopoDS.Face_s(faces.FindKey(k)) for k in range(1, faces.Extent() + 1)]
-
-
-def _points(curve: BRepAdaptor_Curve, samples: int) -> Array:
-    """(samples, 3) points at equally spaced parameters."""
-    t = np.linspace(curve.FirstParameter(), curve.LastParameter(), samples).tolist()
-    points = [curve.Value(x) for x in t]
-    return np.array([(p.X(), p.Y(), p.Z()) for p in points])
-
-
-def _distance(space: BRepAdaptor_Curve, on_surface: BRepAdaptor_Curve, samples: int) -> float:
-    one = _points(space, samples)
-    at_equal_parameter = np.linalg.norm(one - _points(on_surface, samples), axis=1)
-    if at_equal_parameter.max() <= 1e-7 * np.ptp(one, axis=0).max():
-        return float(at_equal_parameter.max())
-    line = _points(on_surface, 10 * samples)
-    start, along = line[:-1], np.diff(line, axis=0)
-    squared = np.maximum((along**2).sum(axis=1), 1e-300)
-    part = np.clip(((one[:, None] - start) * along).sum(axis=-1) / squared, 0, 1)
-    nearest = np.linalg.norm(start + part[..., None] * along - one[:, None], axis=-1).min(axis=1)
-    return float(np.minimum(nearest, at_equal_parameter).max())

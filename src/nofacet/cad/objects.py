@@ -43,7 +43,7 @@ def cad_object(source: Any) -> tuple[TopoDS_Shape, Appearance]:
     shape = _plain_shape(source)
     if shape is None or shape.IsNull():
         if _package(source) in ("cadquery", "build123d"):
-            raise InputError(f"this {kind} object holds no shape, so there is nothing to draw")
+            raise InputError(f"this {kind} object holds no shape, so there is nothing to draw; build one first")
         raise InputError(
             f"cannot draw an object of type {kind}; give a file, a cadquery Workplane, Shape or Assembly, "
             "a build123d object, or a TopoDS_Shape"
@@ -92,7 +92,7 @@ def _together(objects: Iterable[Any]) -> TopoDS_Shape | None:
 def _face_index(shape: TopoDS_Shape, kind: str) -> FaceIndex:
     index = FaceIndex(shape)
     if not len(index):
-        raise InputError(f"this {kind} object has no faces, so there is nothing to draw")
+        raise InputError(f"this {kind} object has no faces, so there is nothing to draw; give a solid or a surface")
     return index
 
 

@@ -27,6 +27,7 @@ from nofacet.cad.formats import StepText, file_format, scan_step_text
 from nofacet.errors import InputError
 
 _DAMAGED = "the file is probably damaged, export it again"
+_NO_FACES = "has no faces, so there is nothing to draw; export solids or surfaces, not only curves or annotations"
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def _read_brep(path: str, binary: bool) -> CadFile:
         raise InputError(f"{path}: OpenCascade cannot read this BREP file; {_DAMAGED}")
     index = FaceIndex(shape)
     if not len(index):
-        raise InputError(f"{path}: has no faces, so there is nothing to draw")
+        raise InputError(f"{path}: {_NO_FACES}")
     return CadFile(shape, Appearance.plain(len(index)), [])
 
 
@@ -86,7 +87,7 @@ def _read_step(path: str, enter_stage: Callable[[str], None]) -> CadFile:
     index = None if shape.IsNull() else FaceIndex(shape)
     if not index:
         if not text.declared_faces:
-            raise InputError(f"{path}: has no faces, so there is nothing to draw")
+            raise InputError(f"{path}: {_NO_FACES}")
         lost = f"the file declares {text.declared_faces} faces, OpenCascade delivered none"
         raise InputError(f"{path}: {lost}; {errors or 'it is damaged or unusual'}; export it again")
     enter_stage("collecting colours and names")

@@ -48,7 +48,7 @@ def read_in_worker(
     """Read and convert a STEP or BREP file in a child process.
 
     timeout: seconds, math.inf for no limit. progress: called once a second, first after a second, with one line that
-    names the file, the stage and the time. measure: fill Model.conversion_error.
+    names the file, the stage and the time. measure: fill what load() says.
     Raises InputError if the file cannot be shown, if reading takes longer than the timeout, if OpenCascade crashes.
     """
     started = time.monotonic()
@@ -109,10 +109,13 @@ def _unpack(answer: bytes, return_code: int, path: str, notes: TextIO) -> Model:
     stage = _present_stage(notes)
     if return_code < 0:
         reason = signal.strsignal(-return_code) or f"signal {-return_code}"
-        raise InputError(f"{path}: OpenCascade crashed while {stage} ({reason}); the file is probably damaged")
+        raise InputError(
+            f"{path}: OpenCascade crashed while {stage} ({reason}); the file is probably damaged, export it again"
+        )
     notes.seek(0)
     last_line = (notes.read().strip().splitlines() or ["no message"])[-1]
-    raise InputError(f"{path}: the reading process failed while {stage} (status {return_code}: {last_line})")
+    problem = f"the reading process failed while {stage} (status {return_code}: {last_line})"
+    raise InputError(f"{path}: {problem}; please report this")
 
 
 def _stages(notes: TextIO) -> list[tuple[float, str]]:
@@ -179,8 +182,7 @@ def _read_and_convert(path: str, measure: bool, enter_stage: Callable[[str], Non
     model = file.appearance.applied_to(convert(file.shape, path))
     model = replace(model, warnings=file.warnings + model.warnings)
     if measure:
-        enter_stage("measuring the conversion error")
-        from nofacet.cad.measure import conversion_errors
+        from nofacet.cad.measure import measured
 
-        model = replace(model, conversion_error=conversion_errors(file.shape, model))
+        model = measured(file.shape, model, enter_stage)
     return model
