@@ -193,8 +193,18 @@ def _pcurve(stream: Stream, face: Face, edge: Edge, location: Location) -> PCurv
     return None
 
 
+@dataclass(frozen=True)
+class _Places:
+    """Places on edge uses, ascending: use (n,), part of the parameter range s (n,), and both curves' points (n, 3)."""
+
+    use: Index
+    s: Array
+    space: Array
+    surface: Array
+
+
 class _Measurement:
-    """Distances of a collection's edge uses. Places on them are (use (n,), part of the parameter range s (n,))."""
+    """Distances of a collection's edge uses."""
 
     def __init__(self, collection: _Collection) -> None:
         self._collection = collection
@@ -224,11 +234,13 @@ class _Measurement:
         begin = np.cumsum([0, *(len(own) for own in samples)])
         use, s = np.repeat(np.arange(count), np.diff(begin)), np.concatenate(samples)
         with np.errstate(all="ignore"):  # values that are not numbers stay so
-            space, surface = (_Net(begin, s, curve(use, s)) for curve in (self._in_space, self._on_surface))
-            distance, largest = self._between(use, s, space, surface, result)
+            places = _Places(use, s, self._in_space(use, s), self._on_surface(use, s))
+            nets = _Net(begin, s, places.space), _Net(begin, s, places.surface)
+            distance, largest = self._between(places, nets, result)
             np.maximum.at(result, use, distance)
             use, s = _around(largest, use, s)
-            np.maximum.at(result, use, self._between(use, s, space, surface, result)[0])
+            places = _Places(use, s, self._in_space(use, s), self._on_surface(use, s))
+            np.maximum.at(result, use, self._between(places, nets, result)[0])
         return result
 
     def _samples(self, row: _Use) -> Array:
@@ -251,13 +263,13 @@ class _Measurement:
         inner = cuts[:-1, None] + np.diff(cuts)[:, None] * np.arange(parts) / parts
         return np.append(inner, 1.0)
 
-    def _between(self, use: Index, s: Array, space_net: _Net, surface_net: _Net, known: Array) -> tuple[Array, Index]:
+    def _between(self, places: _Places, nets: tuple[_Net, _Net], known: Array) -> tuple[Array, Index]:
         """Distance (n,) between the curves at each place, and which places have the largest of their use.
 
         A lower value stands where the distance is below known (one a use) or below that at another place of the use.
         The uses whose distance may be rounding have no largest one.
         """
-        space, surface = self._in_space(use, s), self._on_surface(use, s)
+        use, s, space, surface = places.use, places.s, places.space, places.surface
         equal = np.linalg.norm(space - surface, axis=1)
         rounding = _ROUNDING * np.abs(space).max(axis=1, initial=0.0)
         far = equal > rounding
@@ -267,8 +279,8 @@ class _Measurement:
         for first in (_largest(use, open_, equal), open_):  # the largest ones first: they spare most of the others
             own = first[(equal[first] > known[use[first]]) & (distance[first] == 0)]
             if len(own):
-                to_surface = _nearest(self._on_surface, surface_net, space[own], use[own], s[own], surface[own])
-                to_space = _nearest(self._in_space, space_net, surface[own], use[own], s[own], space[own])
+                to_surface = _nearest(self._on_surface, nets[1], space[own], use[own], s[own], surface[own])
+                to_space = _nearest(self._in_space, nets[0], surface[own], use[own], s[own], space[own])
                 distance[own] = np.maximum(to_surface, to_space)
                 np.maximum.at(known, use[own], distance[own])
         return distance, _largest(use, np.nonzero(far & (distance > 0))[0], distance)

@@ -53,7 +53,7 @@ class _Knots:
         return cls(degree, np.concatenate(flats), np.cumsum(sizes) - sizes, sizes - 2 * degree - 1, period)
 
     def locate(self, spline: Index, t: Array) -> tuple[Index, Array, Array]:
-        """Each parameter's span, counted from its spline's first, t within the period, the 2 p knots around."""
+        """Each parameter's span, counted from its spline's first, t within the period, the knots around (2 p, n)."""
         low = self.start[spline] + self.degree
         high = low + self.count[spline]
         period, begin = self.period[spline], self.flat[low]
@@ -66,18 +66,16 @@ class _Knots:
         # at the end of the domain, and at a knot of full multiplicity, step back to a span that is not empty
         while (empty := (self.flat[low + 1] <= self.flat[low]) & (low > first)).any():
             low = np.where(empty, low - 1, low)
-        around = self.flat[low[:, None] + np.arange(1 - self.degree, self.degree + 1)]
+        around = self.flat[low + np.arange(1 - self.degree, self.degree + 1)[:, None]]
         return low - first, t, around
 
     def reduce(self, points: Array, around: Array, t: Array) -> Array:
-        """De Boor's triangle along axis 1: points (n, p + 1, ...) of each span to values (n, ...)."""
-        extra = (1,) * (points.ndim - 2)
-        degree = self.degree
-        for level in range(degree):
-            low, high = around[:, level:degree], around[:, degree : 2 * degree - level]
-            part = ((t[:, None] - low) / (high - low)).reshape(len(t), degree - level, *extra)
-            points = (1 - part) * points[:, :-1] + part * points[:, 1:]
-        return points[:, 0]
+        """De Boor's triangle: points (..., p + 1, n) of each span to values (..., n)."""
+        for level in range(self.degree):
+            low, high = around[level : self.degree], around[self.degree : 2 * self.degree - level]
+            part = (t - low) / (high - low)
+            points = (1 - part) * points[..., :-1, :] + part * points[..., 1:, :]
+        return points[..., 0, :]
 
 
 def _flat_knots(degree: int, knots: Array, multiplicities: NDArray[np.int32], periodic: bool) -> Array:
@@ -146,9 +144,9 @@ class Curves:
         if kind in self._splines:
             knots, poles, first_pole, pole_count = self._splines[kind]
             span, t, around = knots.locate(place, t)
-            index = (span[:, None] + np.arange(knots.degree + 1)) % pole_count[place, None]
-            homogeneous = knots.reduce(poles[first_pole[place, None] + index], around, t)
-            return np.asarray(homogeneous[:, :-1] / homogeneous[:, -1:])
+            index = first_pole[place] + (span + np.arange(knots.degree + 1)[:, None]) % pole_count[place]
+            homogeneous = knots.reduce(poles[:, index], around, t)
+            return np.asarray((homogeneous[:-1] / homogeneous[-1]).T)
         if kind == "offset":
             return self._offset(place, t)
         f, g = _CONICS[str(kind)]
@@ -167,7 +165,7 @@ class Curves:
 
 
 def _spline_tables(degree: int, curves: list[Curve]) -> tuple[_Knots, Array, Index, Index]:
-    """Knots, poles (homogeneous, one after the other), each curve's first pole and number of poles."""
+    """Knots, poles (dim + 1, all curves' one after the other), each curve's first pole and number of poles."""
     splines, poles = [], []
     for curve in curves:
         assert curve.poles is not None
@@ -177,7 +175,8 @@ def _spline_tables(degree: int, curves: list[Curve]) -> tuple[_Knots, Array, Ind
             splines.append((curve.knots, curve.multiplicities, curve.periodic))
         poles.append(curve.poles)
     count = np.array([len(own) for own in poles])
-    return _Knots.of(degree, splines), np.concatenate(poles), np.cumsum(count) - count, count
+    columns = np.ascontiguousarray(np.concatenate(poles).T)
+    return _Knots.of(degree, splines), columns, np.cumsum(count) - count, count
 
 
 class Surfaces:
@@ -248,16 +247,16 @@ class Surfaces:
             own = place[part]
             row, s, around_u = along_u.locate(own, u[part])
             column, t, around_v = along_v.locate(own, v[part])
-            i = (row[:, None] + np.arange(along_u.degree + 1)) % rows[own, None]
-            j = (column[:, None] + np.arange(along_v.degree + 1)) % columns[own, None]
-            index = first_pole[own, None, None] + i[:, :, None] * columns[own, None, None] + j[:, None, :]
-            homogeneous = along_v.reduce(along_u.reduce(poles[index], around_u, s), around_v, t)
-            result[part] = homogeneous[:, :3] / homogeneous[:, 3:]
+            i = (row + np.arange(along_u.degree + 1)[:, None]) % rows[own]
+            j = (column + np.arange(along_v.degree + 1)[:, None]) % columns[own]
+            index = first_pole[own] + i * columns[own] + j[:, None]
+            homogeneous = along_v.reduce(along_u.reduce(poles[:, index], around_u, s), around_v, t)
+            result[part] = (homogeneous[:3] / homogeneous[3]).T
         return result
 
 
 def _surface_tables(surfaces: list[Surface]) -> tuple[_Knots, _Knots, Array, Index, Index, Index]:
-    """Knots in u and v, poles one after the other, each surface's first pole and numbers of poles in u and v."""
+    """Knots in u and v, poles (4, all surfaces'), each surface's first pole and numbers of poles in u and v."""
     knots = []
     for axis in (0, 1):
         degree = surfaces[0].degrees[axis]
@@ -270,5 +269,5 @@ def _surface_tables(surfaces: list[Surface]) -> tuple[_Knots, _Knots, Array, Ind
         knots.append(_Knots.of(degree, splines))
     poles = [surface.poles for surface in surfaces if surface.poles is not None]
     rows, columns = (np.array([own.shape[k] for own in poles]) for k in (0, 1))
-    flat = np.concatenate([own.reshape(-1, 4) for own in poles])
+    flat = np.ascontiguousarray(np.concatenate([own.reshape(-1, 4) for own in poles]).T)
     return knots[0], knots[1], flat, np.cumsum(rows * columns) - rows * columns, rows, columns
