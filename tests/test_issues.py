@@ -89,8 +89,8 @@ def test_level_edges_are_placed_between_scan_planes(
     """A cylinder from the side: its level ends, or its level outline, fell on the nearest of 16 strips."""
     height, radius, view_height = 7.3, 2.17, 9.37
     model = nofacet.load(cq.Workplane().cylinder(height, radius))
-    eye = tuple(0.123 - 50 * d for d in direction)
-    camera = nofacet.Camera("orthographic", eye, (0.123, 0.123, 0.123), up, view_height=view_height)
+    x, y, z = (0.123 - 50 * d for d in direction)
+    camera = nofacet.Camera("orthographic", (x, y, z), (0.123, 0.123, 0.123), up, view_height=view_height)
     frame = nofacet.render(model, camera, RESOLUTION, samples=16, buffers=("coverage",))
     pixel = view_height / RESOLUTION[1]
     outline_pixels = 2 * (height + 2 * radius) / pixel
