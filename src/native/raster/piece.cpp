@@ -147,7 +147,7 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   Piece piece{};
   if (certify(net, bounds, &piece)) {
     const bool small = bounds.x.f.width() <= kLargestPiece && y.width() <= kLargestPiece;
-    if (small || piece.linear) {
+    if (small || piece.linear || depth >= kMaxDepth) {
       emit(piece, net, box, arcs);
       return;
     }
