@@ -94,8 +94,7 @@ void RowPainter::locate_level_edges(const PlaneCut& above, const PlaneCut& below
                                     const std::vector<const Piece*>& pieces) {
   constexpr double kLevelRun = 2.0;  // pixels; shorter stretches are no worse placed than slanted outlines
   if (longest_difference(above, below) < kLevelRun) return;
-  const int64_t step = ScanPlanes::level_step(0.5 * (above.y + below.y) + 0.5 / ScanPlanes::kLevelSteps);
-  const double y = ScanPlanes::level_y(step);
+  const double y = ScanPlanes::level_y(ScanPlanes::level_step(0.5 * (above.y + below.y)));
   if (!(y > above.y && y < below.y)) return;
   if (level_count_ == level_cuts_.size()) level_cuts_.emplace_back();
   PlaneCut& middle = level_cuts_[level_count_++];

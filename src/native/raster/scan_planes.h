@@ -31,9 +31,10 @@ class ScanPlanes {
   double centre_y(int row) const { return row + 0.5 + kSampleShiftY; }
   // Of the sample plane `index` of the frame: row * samples + k.
   double sample_y(int64_t index) const { return (double(index) + 0.5) / samples_ + kSampleShiftY; }
-  // Of the plane between the sample planes that serves to locate a level edge.
-  static double level_y(int64_t step) { return double(step) / kLevelSteps + kSampleShiftY; }
-  // The last level plane at or below y.
+  // Of the planes between the sample planes that serve to locate level edges. The strips that they stand for begin and
+  // end at multiples of 1 / kLevelSteps.
+  static double level_y(int64_t step) { return (double(step) + 0.5) / kLevelSteps + kSampleShiftY; }
+  // The level plane nearest to y.
   static int64_t level_step(double y) { return int64_t(std::floor((y - kSampleShiftY) * kLevelSteps)); }
 
   // Whether some plane lies in [lo, hi).
@@ -44,7 +45,7 @@ class ScanPlanes {
       return (std::ceil(first * per_row - offset) + offset) / per_row < last;
     };
     return (centre_ && between(1.0, 0.5)) || (samples_ > 0 && between(samples_, 0.5)) ||
-           (locates_level_edges() && between(kLevelSteps, 0.0));
+           (locates_level_edges() && between(kLevelSteps, 0.5));
   }
 
  private:
