@@ -73,7 +73,7 @@ def test_a_file_that_hangs_opencascade_is_stopped() -> None:
     started = time.monotonic()
     line = refusal(BAD / "M6.nan_points.step", timeout=12.0)
     assert "stopped after 12 s while transferring the shapes of a file with 3 errors in its text" in line
-    assert time.monotonic() - started < 10
+    assert time.monotonic() - started < 18
 
 
 @needs_bad_models
