@@ -38,7 +38,8 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Wire
 
 from nofacet.cad import measure
 from nofacet.cad.convert import convert
-from nofacet.cad.loops import ParameterSpace, Use, chain, weld
+from nofacet.cad.corners import weld
+from nofacet.cad.loops import ParameterSpace, Use, chain
 from nofacet.model import Model
 
 FLAT = gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0))
@@ -205,7 +206,7 @@ def test_planes_without_pcurves_and_with_a_hole() -> None:
     assert disagreements(face, model, 200) == []
 
 
-def test_a_gap_is_welded_with_a_straight_link() -> None:
+def test_edges_that_stop_short_are_led_on_to_their_corner_which_the_box_covers() -> None:
     edges = [
         BRepBuilderAPI_MakeEdge(gp_Pnt(*a), gp_Pnt(*b)).Edge()
         for a, b in [((0, 0, 0), (3, 0, 0)), ((3, 0.01, 0), (0, 2, 0)), ((0, 2, 0), (0, 0, 0))]
@@ -216,7 +217,10 @@ def test_a_gap_is_welded_with_a_straight_link() -> None:
         builder.Add(wire, edge)
     model = convert(plane_face(wire), "gap")
     assert_closed(model)
-    assert model.segment_edge.tolist() == [0, -1, 1, 2]
+    assert model.segment_edge.tolist() == [0, -1, -1, 1, 2]
+    corner = 3 + 0.01 * 3 / 1.99
+    np.testing.assert_allclose(model.segment_points[3], (corner, 0, 1), atol=1e-15)
+    assert model.groups[0].domain[:, 1].max() == pytest.approx(corner)
 
 
 def pcurve_face(curve: Geom2d_Curve, first: float, last: float) -> TopoDS_Face:
@@ -377,5 +381,5 @@ def test_uses_shifted_by_a_period_are_chained_but_a_missing_pole_edge_is_not_a_s
     uses = [straight((0, 0), (turn, 0)), straight((turn, 0), (turn, 1)), straight((0, 1), (0, 0))]
     cone = ParameterSpace((turn, 0.0), (0, turn, -2e100, 2e100), lambda axis, value: axis == 1 and value == 1)
     (loop,) = chain(uses, cone)
-    welded = weld(loop, turn, 1.0)
+    welded = weld(loop, turn, 1.0, cone)
     assert ([(turn, 1, 1.0), (0, 1, 1.0)], -1) in welded

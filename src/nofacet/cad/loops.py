@@ -3,7 +3,7 @@
 A use is a list of segments that follow one edge once; a segment is (control points, edge), the control points
 homogeneous (wu, wv, w) with end weights 1, edge an index or -1. A loop is a list of segments that share end points
 bitwise. Real wires store their edges backwards or in any order, with gaps up to several per cent of the face, so the
-next use is the one that starts nearest, and what gap remains is closed by a straight link.
+next use is the one that starts nearest; corners closes what gap remains.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Use = list[Segment]
 Loop = list[Segment]
 Box = tuple[float, float, float, float]
 
-# Gaps up to this part of the box are rounding: the next segment's end is moved. Wider ones get a link.
+# Gaps up to this part of the box are rounding.
 SNAP = 1e-9
 # A loop is a rectangle when its segments lie on the box's sides within this part of the box.
 RECTANGLE = 1e-9
@@ -138,33 +138,6 @@ def _nearest_shifted(
 
 def _moved(use: Use, du: float, dv: float) -> Use:
     return [([(u + du * w, v + dv * w, w) for u, v, w in points], edge) for points, edge in use]
-
-
-def weld(loop: Loop, width: float, height: float, close: bool = True) -> Loop:
-    """Make neighbouring segments share their end point bitwise: small gaps are moved away, others get a link.
-
-    width, height: the face's box. close: also join the last segment to the first.
-    """
-    du, dv = SNAP * width, SNAP * height
-    welded: Loop = [loop[0]]
-    end = loop[0][0][-1]
-    for points, edge in loop[1:]:
-        start = points[0]
-        if start != end:
-            if abs(start[0] - end[0]) <= du and abs(start[1] - end[1]) <= dv:
-                points = [end, *points[1:]]
-            else:
-                welded.append(([end, start], -1))
-        welded.append((points, edge))
-        end = points[-1]
-    start = welded[0][0][0]
-    if close and start != end:
-        points, edge = welded[-1]
-        if abs(start[0] - end[0]) <= du and abs(start[1] - end[1]) <= dv and len(welded) > 1:
-            welded[-1] = ([*points[:-1], start], edge)
-        else:
-            welded.append(([end, start], -1))
-    return welded
 
 
 def winding(loop: Loop, space: ParameterSpace) -> tuple[int, int]:

@@ -12,6 +12,7 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from .corners import weld
 from .curves import Piece, pieces, projected, spline_pieces
 from .loops import (
     Box,
@@ -23,7 +24,6 @@ from .loops import (
     close_winding,
     is_rectangle,
     reverse,
-    weld,
     winding,
 )
 from .stream import FORWARD, REVERSED, Curve, Edge, Face, Location, PCurve, Stream, Surface, multiply
@@ -88,9 +88,12 @@ class Trimmer:
         u0, u1, v0, v1 = bounding_box(closed)
         if not all(map(isfinite, (u0, u1, v0, v1))) or max(map(abs, (u0, u1, v0, v1))) >= INFINITE:
             raise ValueError("its edges have coordinates that are infinite or not numbers")
-        closed = [weld(loop, u1 - u0, v1 - v0) for loop in closed]
         if not (u1 > u0 and v1 > v0):
             raise ValueError("its edges enclose no area")
+        welded = [weld(loop, u1 - u0, v1 - v0, space) for loop in closed]
+        if any(len(loop) > len(other) for loop, other in zip(welded, closed, strict=True)):
+            u0, u1, v0, v1 = bounding_box(welded)  # edges led on to their corner can leave the box
+        closed = welded
         box = (u0, u1, v0, v1)
         return Trim(closed, box, is_rectangle(closed, box))
 
