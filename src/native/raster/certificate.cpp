@@ -11,6 +11,8 @@ constexpr double kRoundingMargin = 1e-12;
 
 bool clearly_one_signed(Interval value, double terms) { return value.mignitude() > kRoundingMargin * terms; }
 
+bool grows_with_b(const QuotientBounds& y) { return clearly_one_signed(y.fb, y.fa.magnitude() + y.fb.magnitude()); }
+
 // Bounds of the screen Jacobian J = x_a y_b - x_b y_a and of its derivatives. J does not change when the screen is
 // rotated, its bounds do.
 struct JacobianBounds {
@@ -37,7 +39,7 @@ struct CutBounds {
 // sign, and at most once if dJ/da = J_a + m J_b has one sign.
 CutBounds bound_cut(const QuotientBounds& y, const JacobianBounds& jacobian) {
   CutBounds cut;
-  if (!clearly_one_signed(y.fb, y.fa.magnitude() + y.fb.magnitude())) return cut;
+  if (!grows_with_b(y)) return cut;
   const Interval m = -(y.fa / y.fb);
   cut.slope = m.magnitude();
   if (clearly_one_signed(jacobian.j, jacobian.terms)) {
@@ -91,7 +93,13 @@ Certificate certify_cut(const Net& net, const NetBounds& bounds) {
   if (plain.kind != CutKind::uncertain) return plain;
   double scratch[4 * (kMaxDegree + 1) * (kMaxDegree + 1)];
   const NetBounds rotated = rotated_bounds(net, scratch);
-  return best_cut(bounds, JacobianBounds(rotated.x, rotated.y));
+  const JacobianBounds jacobian(rotated.x, rotated.y);
+  Certificate certificate = best_cut(bounds, jacobian);
+  if (certificate.kind == CutKind::uncertain && (grows_with_b(bounds.y) || grows_with_b(transposed_bounds(bounds.y)))) {
+    // The cut is a graph and only the sign of J is open: halve what J varies with.
+    certificate.halve = jacobian.ja.magnitude() >= jacobian.jb.magnitude() ? Halve::a : Halve::b;
+  }
+  return certificate;
 }
 
 }  // namespace nofacet

@@ -18,9 +18,13 @@ enum class CutKind : unsigned char {
   uncertain,  // nothing is proved
 };
 
+// Which parameter to halve where nothing is proved.
+enum class Halve : unsigned char { either, a, b };
+
 struct Certificate {
   CutKind kind = CutKind::uncertain;
   bool transposed = false;  // the cut is a graph a(b) instead of b(a)
+  Halve halve = Halve::either;
 };
 
 Certificate certify_cut(const Net& net, const NetBounds& bounds);

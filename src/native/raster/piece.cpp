@@ -35,6 +35,14 @@ double length_along(const Net& net, bool a) {
   return longest;
 }
 
+// Whether to halve a rather than b: what is bent most, or what is longer.
+bool shape_halves_a(const Net& net, const NetBounds& bounds) {
+  const double bend_a = curvature_along(bounds.x, bounds.y, true), bend_b = curvature_along(bounds.x, bounds.y, false);
+  const double length_a = length_along(net, true), length_b = length_along(net, false);
+  const bool nearly_flat = std::max(bend_a, bend_b) < 1e-2 * std::max(length_a, length_b);
+  return nearly_flat ? length_a >= length_b : bend_a >= bend_b;
+}
+
 // Length of the control polygons along a or b in eye space (perspective only: Z is the weight there).
 double space_length(const Net& net, bool a) {
   double longest = 0.0;
@@ -145,7 +153,9 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   if (!planes_.any_in(y.lo, y.hi)) return;
   const NetBounds bounds(net);
   Piece piece{};
-  if (certify(net, bounds, &piece)) {
+  const Certificate certificate = certify_cut(net, bounds);
+  if (certificate.kind != CutKind::uncertain) {
+    describe(net, bounds, certificate, &piece);
     const bool small = bounds.x.f.width() <= kLargestPiece && y.width() <= kLargestPiece;
     if (small || piece.linear || depth >= kMaxDepth) {
       emit(piece, net, box, arcs);
@@ -166,11 +176,8 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
       return;
     }
   }
-  const double along_a = curvature_along(bounds.x, bounds.y, true),
-               along_b = curvature_along(bounds.x, bounds.y, false);
-  const double length_a = length_along(net, true), length_b = length_along(net, false);
-  const bool nearly_flat = std::max(along_a, along_b) < 1e-2 * std::max(length_a, length_b);
-  split(net, box, arcs, depth, nearly_flat ? length_a >= length_b : along_a >= along_b);
+  split(net, box, arcs, depth,
+        certificate.halve == Halve::either ? shape_halves_a(net, bounds) : certificate.halve == Halve::a);
 }
 
 void PieceBuilder::split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a) {
@@ -190,11 +197,11 @@ void PieceBuilder::split(const Net& net, const Box& box, const Arcs* arcs, int d
   subdivide({net.n, net.m, right}, second, arcs, depth + 1);
 }
 
-bool PieceBuilder::certify(const Net& net, const NetBounds& bounds, Piece* piece) const {
-  const Certificate certificate = certify_cut(net, bounds);
+// Fills in what a certified piece knows of its cuts.
+void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certificate& certificate,
+                            Piece* piece) const {
   piece->kind = certificate.kind;
   piece->transposed = certificate.transposed;
-  if (certificate.kind == CutKind::uncertain) return false;
   piece->x = bounds.x.f;
   piece->y = bounds.y.f;
 
@@ -209,7 +216,6 @@ bool PieceBuilder::certify(const Net& net, const NetBounds& bounds, Piece* piece
   piece->linear = constant_weight && net.n == 1 && net.m == 1 &&
                   std::max(bounds.x.fab.magnitude(), bounds.y.fab.magnitude()) < kNegligiblePixels &&
                   depth.fab.magnitude() * camera_.scale < kNegligiblePixels;
-  return true;
 }
 
 void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs) {

@@ -79,7 +79,7 @@ class PieceBuilder {
 
   void subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth);
   void split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a);
-  bool certify(const Net& net, const NetBounds& bounds, Piece* piece) const;
+  void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Piece* piece) const;
   bool behind_or_outside(const Net& net) const;
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
   void add_portions(const Piece& piece, const TrimArc& arc);
