@@ -37,9 +37,10 @@ from OCP.TopAbs import TopAbs_IN, TopAbs_ON
 from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Wire
 
 from nofacet.cad import measure
+from nofacet.cad.chains import Point, Stretch, chain
 from nofacet.cad.convert import convert
 from nofacet.cad.corners import weld
-from nofacet.cad.loops import ParameterSpace, Use, chain
+from nofacet.cad.loops import Loops, ParameterSpace, as_runs, joints, order_uses, welded
 from nofacet.model import Model
 
 FLAT = gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0))
@@ -367,19 +368,59 @@ def test_missing_pcurves_are_built() -> None:
     assert covered(model) == pytest.approx(3 * pi / 2)
 
 
-def straight(*points: tuple[float, float]) -> Use:
-    corners = [(u, v, 1.0) for u, v in points]
-    return [([a, b], 0) for a, b in zip(corners, corners[1:], strict=False)]
+def stretches(*ends: tuple[Point, Point]) -> list[Stretch]:
+    return [Stretch(use, start, end) for use, (start, end) in enumerate(ends)]
 
 
 def test_uses_shifted_by_a_period_are_chained_but_a_missing_pole_edge_is_not_a_shift() -> None:
     turn = 2 * pi
-    shifted = [straight((0, 0), (3, 0)), straight((3 + turn, 0), (3 + turn, 1)), straight((3, 1), (0, 1), (0, 0))]
+    shifted = stretches(((0, 0), (3, 0)), ((3 + turn, 0), (3 + turn, 1)), ((3, 1), (0, 1)), ((0, 1), (0, 0)))
     cylinder = ParameterSpace((turn, 0.0), (0, turn, -2e100, 2e100), lambda axis, value: False)
-    (loop,) = chain(shifted, cylinder)
-    assert max(point[0] for points, _ in loop for point in points) == pytest.approx(3)
-    uses = [straight((0, 0), (turn, 0)), straight((turn, 0), (turn, 1)), straight((0, 1), (0, 0))]
+    (loop,) = chain(shifted, (3 + turn, 1), cylinder)
+    assert [stretch.use for stretch in loop] == [0, 1, 2, 3]
+    assert max(u for stretch in loop for u, _ in (stretch.start, stretch.end)) == pytest.approx(3)
+    assert loop[1].shift == pytest.approx((-turn, 0))
+    uses = stretches(((0, 0), (turn, 0)), ((turn, 0), (turn, 1)), ((0, 1), (0, 0)))
     cone = ParameterSpace((turn, 0.0), (0, turn, -2e100, 2e100), lambda axis, value: axis == 1 and value == 1)
-    (loop,) = chain(uses, cone)
-    welded = weld(loop, turn, 1.0, cone)
-    assert ([(turn, 1, 1.0), (0, 1, 1.0)], -1) in welded
+    (loop,) = chain(uses, (turn, 1), cone)
+    assert loop == uses
+    whole = weld([([(*stretch.start, 1.0), (*stretch.end, 1.0)], 0) for stretch in loop], turn, 1.0, cone)
+    assert ([(turn, 1, 1.0), (0, 1, 1.0)], -1) in whole
+
+
+def square() -> Loops:
+    """The unit square, one segment a side, from (0, 0)."""
+    corners = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 1)]
+    points = np.array([[a, b] for a, b in zip(corners, corners[1:], strict=False)], float).reshape(-1, 3)
+    return Loops(np.array([0]), np.array([0, 4]), 2 * np.arange(5), points, np.arange(4, dtype=np.int32))
+
+
+def test_small_gaps_are_moved_away_and_wide_ones_get_a_link() -> None:
+    box = np.array([[0.0, 1.0, 0.0, 1.0]])
+    loops = square()
+    loops.points[2] += (1e-12, 0, 0)
+    loops.points[7] += (0, 1e-12, 0)
+    runs, segments = as_runs(loops)
+    whole = welded(runs, segments, joints(runs, box))
+    np.testing.assert_array_equal(whole.points[1], whole.points[2])
+    np.testing.assert_array_equal(whole.points[7], whole.points[0])
+    np.testing.assert_array_equal(whole.edge, [0, 1, 2, 3])
+    loops = square()
+    loops.points[4] -= (0.1, 0, 0)
+    runs, segments = as_runs(loops)
+    whole = welded(runs, segments, joints(runs, box))
+    np.testing.assert_array_equal(whole.edge, [0, 1, -1, 2, 3])
+    np.testing.assert_array_equal(whole.points[4:6], [(1, 1, 1), (0.9, 1, 1)])
+    np.testing.assert_array_equal(whole.loop_offsets, [0, 5])
+
+
+def test_uses_in_any_order_make_loops() -> None:
+    """A square whose sides are stored in any order, and a triangle with one side missing."""
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    sides = [(corners[k], corners[(k + 1) % 4]) for k in (0, 2, 1, 3)]
+    gap = [((1, 0), (0, 1)), ((0, 0), (1, 0))]
+    start, end = np.array(sides + gap, float).swapaxes(0, 1)
+    ordered = order_uses(np.array([0, 0, 0, 0, 1, 1]), start, end, np.ones((6, 2)))
+    np.testing.assert_array_equal(ordered.use, [0, 2, 1, 3, 4, 5])
+    np.testing.assert_array_equal(ordered.loop, [0, 0, 0, 0, 1, 1])
+    assert not len(ordered.unclear)

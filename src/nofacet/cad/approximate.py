@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import stream as brep
-from .stream import Surface
+from .records import Surfaces
 from .surfaces import Box
 
 if TYPE_CHECKING:
@@ -19,8 +19,10 @@ TOLERANCE = 1e-10  # wanted distance, in parts of the face's size
 CHECKED = 41  # the distance is measured at CHECKED x CHECKED parameters
 
 
-def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surface, float]:
+def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surfaces, float]:
     """A B-spline for the surface of face `index` over box, at the same parameters, and the largest distance found.
+
+    The B-spline is the result's surface 1.
 
     Raises ValueError where OpenCascade finds none.
     """
@@ -46,8 +48,7 @@ def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surface, flo
     except Exception as failure:  # OCP's exceptions share no narrower base
         raise ValueError(f"OpenCascade cannot approximate its surface ({type(failure).__name__})") from failure
     error = float(np.linalg.norm(_sample(spline, box) - exact, axis=-1).max())
-    result: Surface = brep.read(face).surfaces[1]
-    return result, error
+    return brep.read(face).surfaces, error
 
 
 def face_of(shape: TopoDS_Shape, index: int) -> TopoDS_Face:

@@ -5,18 +5,19 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model import DEFAULT_COLOR, Model
 from . import stream as brep
-from .loops import Loop
-from .stream import EXTERNAL, INTERNAL, REVERSED, Face, Location, Stream, Surface, multiply
-from .surfaces import PatchBuilder, is_exact
-from .trims import MissingPCurve, Trim, Trimmer, matrix_of
+from .geometry import SURFACES
+from .loops import Loops, merged, without
+from .patches import PatchBuilder, are_exact
+from .stream import EXTERNAL, INTERNAL, REVERSED, Stream
+from .tables import Index, offsets_of
+from .trims import Trims, trim
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -31,18 +32,15 @@ def convert(shape: TopoDS_Shape, source: str) -> Model:
     with _garbage_collection_paused():
         stream = brep.read(shape)
         faces = placed_faces(stream)
-        conversion = _Conversion(shape, stream)
-        definition_of: dict[int, int] = {}
-        for index, face in enumerate(faces):
-            if face.shape not in definition_of:
-                definition_of[face.shape] = len(definition_of)
-                conversion.add(face.shape, index)
-        return _assemble(source, stream, faces, definition_of, conversion)
+        shapes, first = np.unique(np.array([face.shape for face in faces], np.intp), return_index=True)
+        order = np.argsort(first)
+        conversion = _Conversion(shape, stream, shapes[order], first[order])
+        return _assemble(source, stream, faces, conversion)
 
 
 @contextmanager
 def _garbage_collection_paused() -> Iterator[None]:
-    """Conversion makes hundreds of thousands of tuples and no cycles: looking for cycles costs a third of its time."""
+    """Conversion makes many tuples and no cycles: looking for cycles costs a third of its time."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -52,33 +50,33 @@ def _garbage_collection_paused() -> Iterator[None]:
             gc.enable()
 
 
-@dataclass(frozen=True, slots=True)
-class PlacedFace:
-    """A face of the stream (index into shapes) where it stands in the shape."""
+class PlacedFace(NamedTuple):
+    """A face of the stream (index into shapes) where it stands in the shape (number of the location)."""
 
     shape: int
-    location: Location
+    location: int
     orientation: int
 
 
 def placed_faces(stream: Stream) -> list[PlacedFace]:
     """Faces in the order of TopExp::MapShapes: depth first, each (shape, location) once, first orientation kept."""
-    faces: dict[tuple[int, Location], PlacedFace] = {}
+    faces: dict[tuple[int, int], PlacedFace] = {}
+    kinds = stream.kinds.tolist()
+    below = stream.children
+    offsets, shapes = below.offsets.tolist(), below.shape.tolist()
+    orientations, locations = below.orientation.tolist(), below.location.tolist()
+    compose = stream.locations.compose
 
-    def walk(orientation: int, shape: int, location: Location) -> None:
-        kind = stream.kinds[shape]
-        if kind == brep.FACE:
-            faces.setdefault((shape, location), PlacedFace(shape, location, orientation))
-        elif kind in brep.SOLID_LIKE:
-            for below, child, place in stream.children[shape]:
-                walk(
-                    _composed(orientation, below),
-                    child,
-                    multiply(location, stream.locations[place]) if place else location,
-                )
+    def walk(orientation: int, shape: int, location: int) -> None:
+        if kinds[shape] == brep.FACE:
+            if (shape, location) not in faces:
+                faces[shape, location] = PlacedFace(shape, location, orientation)
+        elif kinds[shape] in brep.SOLID_LIKE:
+            for k in range(offsets[shape], offsets[shape + 1]):
+                walk(_composed(orientation, orientations[k]), shapes[k], compose(location, locations[k]))
 
-    orientation, shape, place = stream.root
-    walk(orientation, shape, stream.locations[place])
+    orientation, shape, location = stream.root
+    walk(orientation, shape, location)
     return list(faces.values())
 
 
@@ -89,151 +87,157 @@ def _composed(outer: int, inner: int) -> int:
     return inner if outer != REVERSED or inner in (INTERNAL, EXTERNAL) else 1 - inner
 
 
-@dataclass
 class _Conversion:
-    """Converts face definitions one by one and keeps what they come to."""
+    """The face definitions (D,) in the order of their first placed faces, and what they come to."""
 
-    shape: TopoDS_Shape
-    stream: Stream
-    builder: PatchBuilder = field(default_factory=PatchBuilder)
-    surface_type: list[str] = field(default_factory=list)
-    trimmed: list[int] = field(default_factory=list)
-    loops: list[list[Loop]] = field(default_factory=list)
-    errors: list[float] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    triangulated: int = 0
+    def __init__(self, shape: TopoDS_Shape, stream: Stream, definitions: Index, first_face: Index) -> None:
+        """definitions: (D,) shape indices; first_face: (D,), the placed face that messages name."""
+        self.shape = shape
+        self.stream = stream
+        self.definitions = definitions
+        self.first_face = first_face
+        self.builder = PatchBuilder()
+        self.errors = np.full(len(definitions), np.nan)
+        self.trimmed = np.zeros(len(definitions), np.uint8)
+        self.problems: dict[int, str] = {}
+        self.surface = stream.faces.surface[definitions]
+        kinds = stream.surfaces.kind[self.surface].tolist()
+        self.surface_type = [SURFACES[kind] or "triangles" for kind in kinds]
+        self._loops: list[Loops] = []
+        self._add_surfaces(np.flatnonzero(self.surface > 0))
+        self._add_triangles(np.flatnonzero(self.surface == 0))
+        self.loops = self._loops[0] if len(self._loops) == 1 else merged(self._loops)
 
-    def __post_init__(self) -> None:
-        self.trimmer = Trimmer(self.stream)
+    def _add_surfaces(self, own: Index) -> None:
+        trims = trim(self.stream, self.definitions[own])
+        self._take(own, trims)
+        good = np.ones(len(own), bool)
+        good[[*trims.problems, *trims.incomplete]] = False
+        exact = are_exact(self.stream.surfaces, self.surface[own])
+        usual = np.flatnonzero(good & exact)
+        self.builder.add(own[usual], self.stream.surfaces, self.surface[own[usual]], trims.boxes[usual])
+        boxes = {int(own[k]): trims.boxes[k] for k in np.flatnonzero(good & ~exact)}
+        for k in own[trims.incomplete].tolist():
+            boxes |= self._repaired(k)
+        for definition, box in sorted(boxes.items()):
+            self._add_single(definition, box)
 
-    def add(self, shape: int, index: int) -> None:
-        """Convert stream.shapes[shape] as the next definition; index is its first placed face, for messages."""
-        face: Face = self.stream.shapes[shape]
-        self.errors.append(float("nan"))
-        if not face.surface:
-            self._add_triangles(face, index)
+    def _take(self, own: Index, trims: Trims) -> None:
+        """Keep the trims of definitions `own`."""
+        self.trimmed[own] = ~trims.whole
+        for k, problem in trims.problems.items():
+            self._fail(int(own[k]), problem)
+        loops = trims.loops
+        self._loops.append(Loops(own[loops.face], loops.loop_offsets, loops.segment_offsets, loops.points, loops.edge))
+
+    def _fail(self, definition: int, problem: str) -> None:
+        self.problems[definition] = problem
+        self.trimmed[definition] = 0
+
+    def _repaired(self, definition: int) -> dict[int, NDArray[np.float64]]:
+        """Trim a definition after building the curves it lacks; its box, nothing if that is in vain."""
+        from .repair import face_with_pcurves
+
+        repaired = brep.read(face_with_pcurves(self.shape, int(self.first_face[definition])))
+        trims = trim(repaired, np.array([repaired.root[1]]))
+        trims.loops.edge[:] = -1
+        if trims.incomplete:
+            trims.problems[0] = "an edge has no curve in the surface's parameters"
+        self._take(np.array([definition]), trims)
+        return {} if trims.problems else {definition: trims.boxes[0]}
+
+    def _add_single(self, definition: int, box: NDArray[np.float64]) -> None:
+        """Add a definition whose surface may have to be approximated."""
+        which = self.surface[definition : definition + 1]
+        own, boxes = np.array([definition]), box[None]
+        if are_exact(self.stream.surfaces, which)[0]:
+            self.builder.add(own, self.stream.surfaces, which, boxes)
             return
-        surface: Surface = self.stream.surfaces[face.surface]
-        self.surface_type.append(surface.kind)
-        self.trimmed.append(0)
-        self.loops.append([])
-        try:
-            trim = self._trim(shape, index)
-            definition = len(self.surface_type) - 1
-            if is_exact(surface):
-                self.builder.add(definition, surface, trim.box)
-            else:
-                self._approximate(definition, index, trim)
-        except ValueError as problem:
-            self.warnings.append(f"face {index} ({surface.kind}) is not drawn: {problem}")
-            return
-        self.trimmed[-1] = 0 if trim.whole else 1
-        self.loops[-1] = trim.loops
-
-    def _trim(self, shape: int, index: int) -> Trim:
-        try:
-            return self.trimmer.trim(shape)
-        except MissingPCurve:
-            from .repair import face_with_pcurves
-
-            repaired = brep.read(face_with_pcurves(self.shape, index))
-            trim = Trimmer(repaired).trim(repaired.root[1])
-            bare = [[(points, -1) for points, _ in loop] for loop in trim.loops]
-            return Trim(bare, trim.box, trim.whole)
-
-    def _approximate(self, definition: int, index: int, trim: Trim) -> None:
         from .approximate import approximate
 
-        surface, error = approximate(self.shape, index, trim.box)
-        self.builder.add(definition, surface, trim.box)
-        self.errors[definition] = error
-
-    def _add_triangles(self, face: Face, index: int) -> None:
-        """A face given as triangles only: triangle k is half of the parallelogram over (0, 1) x (2 k, 2 k + 1)."""
-        definition = len(self.surface_type)
-        self.surface_type.append("triangles")
-        self.trimmed.append(1)
-        self.loops.append([])
-        if not face.triangulation:
-            self.warnings.append(f"face {index} is not drawn: it has neither a surface nor triangles")
+        try:
+            surfaces, self.errors[definition] = approximate(self.shape, int(self.first_face[definition]), tuple(box))
+        except ValueError as problem:
+            self._fail(definition, str(problem))
+            self._loops = [without(loops, own) for loops in self._loops]
             return
-        self.triangulated += 1
-        nodes, triangles = self.stream.triangulations[face.triangulation]
-        a, b, c = (nodes[triangles[:, k]] for k in range(3))
-        points = np.ones((len(triangles), 1, 2, 2, 4))
-        points[:, 0, 0, 0, :3], points[:, 0, 1, 0, :3] = a, b
-        points[:, 0, 0, 1, :3], points[:, 0, 1, 1, :3] = c, b + c - a
-        for k, patch in enumerate(points):
-            v = 2.0 * k
-            self.builder.add_patches(definition, patch[None], np.array((0.0, 1.0)), np.array((v, v + 1)))
-            corners = [(0.0, v, 1.0), (1.0, v, 1.0), (0.0, v + 1, 1.0), (0.0, v, 1.0)]
-            self.loops[-1].append([(list(pair), -1) for pair in zip(corners, corners[1:], strict=False)])
+        self.builder.add(own, surfaces, np.array([1]), boxes)
+
+    def _add_triangles(self, own: Index) -> None:
+        """Faces given as triangles only: triangle k is half of the parallelogram over (0, 1) x (2 k, 2 k + 1)."""
+        for definition in own.tolist():
+            self.trimmed[definition] = 1
+            number = int(self.stream.faces.triangulation[self.definitions[definition]])
+            if not number:
+                self.problems[definition] = "it has neither a surface nor triangles"
+                continue
+            nodes, triangles = self.stream.triangulations[number]
+            a, b, c = (nodes[triangles[:, k]] for k in range(3))
+            points = np.ones((len(triangles), 2, 2, 4))
+            points[:, 0, 0, :3], points[:, 1, 0, :3], points[:, 0, 1, :3], points[:, 1, 1, :3] = a, b, c, b + c - a
+            v = 2.0 * np.arange(len(triangles))
+            owner = np.full(len(triangles), definition)
+            self.builder.add_patches(points, owner, np.stack([0 * v, 0 * v + 1, v, v + 1], axis=1))
+            corners = np.ones((len(triangles), 3, 2, 3))
+            corners[..., 0] = [(0, 1), (1, 0), (0, 0)]
+            corners[..., 1] = v[:, None, None] + np.array([(0, 0), (0, 1), (1, 0)])
+            count = len(triangles)
+            self._loops.append(
+                Loops(
+                    owner,
+                    3 * np.arange(count + 1),
+                    2 * np.arange(3 * count + 1),
+                    corners.reshape(-1, 3),
+                    np.full(3 * count, -1, np.int32),
+                )
+            )
+
+    def warnings(self, faces: list[PlacedFace]) -> list[str]:
+        """One line for each definition that is not drawn, and one for all triangles."""
+        result = []
+        for definition, problem in sorted(self.problems.items()):
+            kind = "" if self.surface_type[definition] == "triangles" else f" ({self.surface_type[definition]})"
+            result.append(f"face {self.first_face[definition]}{kind} is not drawn: {problem}")
+        drawn_shapes = self.definitions[(self.surface == 0) & (self.trimmed == 1)]
+        has_triangles = drawn_shapes[self.stream.faces.triangulation[drawn_shapes] > 0]
+        drawn = np.isin([face.shape for face in faces], has_triangles).sum()
+        if drawn:
+            result.append(f"{drawn} faces are given as triangles only and are drawn as those triangles")
+        return result
 
 
-def _assemble(
-    source: str,
-    stream: Stream,
-    faces: list[PlacedFace],
-    definition_of: dict[int, int],
-    conversion: _Conversion,
-) -> Model:
+def _assemble(source: str, stream: Stream, faces: list[PlacedFace], conversion: _Conversion) -> Model:
     placements, face_placement = _placements(stream, faces)
     mirrored = np.linalg.det(placements[:, :3, :3])[face_placement] < 0 if faces else np.zeros(0, bool)
     backwards = np.array([face.orientation == REVERSED for face in faces], bool)
-    warnings = list(conversion.warnings)
-    if conversion.triangulated:
-        drawn = sum(conversion.surface_type[definition_of[face.shape]] == "triangles" for face in faces)
-        warnings.append(f"{drawn} faces are given as triangles only and are drawn as those triangles")
-    definition_loops, loop_offsets, segment_offsets, points, edges = _flat_loops(conversion.loops)
+    definition_of = np.empty(len(stream.kinds), np.int32)
+    definition_of[conversion.definitions] = np.arange(len(conversion.definitions))
+    loops = conversion.loops
     return Model(
         source=source,
         groups=conversion.builder.groups(),
         surface_type=conversion.surface_type,
-        trimmed=np.array(conversion.trimmed, np.uint8),
-        definition_loops=definition_loops,
-        loop_offsets=loop_offsets,
-        segment_offsets=segment_offsets,
-        segment_points=points,
-        segment_edge=edges,
-        conversion_error=np.array(conversion.errors, np.float64),
-        face_definition=np.array([definition_of[face.shape] for face in faces], np.int32),
+        trimmed=conversion.trimmed,
+        definition_loops=offsets_of(np.bincount(loops.face, minlength=len(conversion.definitions))),
+        loop_offsets=loops.loop_offsets,
+        segment_offsets=loops.segment_offsets,
+        segment_points=loops.points,
+        segment_edge=loops.edge,
+        conversion_error=conversion.errors,
+        face_definition=definition_of[[face.shape for face in faces]],
         face_placement=face_placement,
         placements=placements,
         face_outward=np.where(mirrored ^ backwards, -1, 1).astype(np.int8),
         face_color=np.tile(np.array(DEFAULT_COLOR, np.float32), (len(faces), 1)),
         face_name=[""] * len(faces),
-        warnings=warnings,
+        warnings=conversion.warnings(faces),
     )
 
 
 def _placements(stream: Stream, faces: list[PlacedFace]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Distinct matrices (K, 4, 4), world from definition, and the index (F,) of each face's."""
-    index_of: dict[Location, int] = {}
-    matrices: list[NDArray[np.float64]] = []
-    index = np.empty(len(faces), np.int32)
-    for k, face in enumerate(faces):
-        own = stream.shapes[face.shape].location
-        location = multiply(face.location, stream.locations[own]) if own else face.location
-        if location not in index_of:
-            index_of[location] = len(matrices)
-            matrices.append(matrix_of(stream, location))
-        index[k] = index_of[location]
-    return np.array(matrices).reshape(-1, 4, 4), index
-
-
-def _flat_loops(
-    loops: list[list[Loop]],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]]:
-    """Offsets of definitions, loops and segments, then segment_points and segment_edge, as Model documents them."""
-    definition_loops = np.cumsum([0, *(len(own) for own in loops)])
-    loop_offsets = np.cumsum([0, *(len(loop) for own in loops for loop in own)])
-    segments = [segment for own in loops for loop in own for segment in loop]
-    segment_offsets = np.cumsum([0, *(len(points) for points, _ in segments)])
-    flat = [point for points, _ in segments for point in points]
-    return (
-        definition_loops.astype(np.int64),
-        loop_offsets.astype(np.int64),
-        segment_offsets.astype(np.int64),
-        np.array(flat, np.float64).reshape(-1, 3),
-        np.array([edge for _, edge in segments], np.int32),
-    )
+    own = stream.faces.location.tolist()
+    locations = [stream.locations.compose(face.location, own[face.shape]) for face in faces]
+    index_of = {location: k for k, location in enumerate(dict.fromkeys(locations))}
+    matrices = np.array([stream.locations.matrix(location) for location in index_of]).reshape(-1, 4, 4)
+    return matrices, np.array([index_of[location] for location in locations], np.int32)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import hypot, inf
 
+from .geometry import Vector
 from .loops import SNAP, Loop, ParameterSpace, Segment, reverse
-from .stream import Vector
 
 Points = list[Vector]
 Plane = tuple[float, float]

@@ -1,65 +1,191 @@
-"""Curves to rational Bezier pieces: exact for lines, conics and splines, adaptive for offset curves."""
+"""Curves to rational Bezier pieces, many at once: exact for lines, conics and splines, adaptive for offset curves."""
 
 from __future__ import annotations
 
-from math import ceil, cos, cosh, pi, sin, sinh
+from dataclasses import dataclass
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .bspline import curve_pieces
-from .stream import Curve, Vector
+from .bspline import bezier_points, curve_pieces, knot_vectors, knots_and_poles, ranges, spans
+from .geometry import KNOTS, Curve
+from .records import BSPLINE, CIRCLE, ELLIPSE, LINE, SPLINE, Curves, gather, gather_reals, joined
+from .tables import Index, expand_runs, offsets_of
 
 Array = NDArray[np.float64]
-Piece = list[Vector]  # homogeneous control points (wx, wy[, wz], w) of one rational Bezier piece
 
 ANGLE_LIMIT = 100 * pi / 180  # of one piece of a circle or ellipse; weights stay above 0.64
 HYPERBOLIC_LIMIT = 2.0  # of one piece of a hyperbola; weights stay below 1.6
+_MOST_CUTS = 10_000  # of a circle, against damaged files
 
 
-def is_angular(curve: Curve) -> bool:
-    """Whether the curve's parameter is an angle that its pieces' parameter maps to by the half-angle tangent."""
-    return curve.kind in ("circle", "ellipse")
+@dataclass(frozen=True)
+class Cuts:
+    """Intervals in pieces: owner (m,), the interval, sorted; start, stop (m,), the piece's ends."""
+
+    owner: Index
+    start: Array
+    stop: Array
 
 
-def is_rational_in_its_parameter(curve: Curve) -> bool:
-    """Whether `pieces` keeps the parameter exactly, linear or angular (a hyperbola's or an offset curve's is lost)."""
-    return curve.kind not in ("hyperbola", "offset")
+def cut_evenly(low: Array, high: Array, limit: float) -> Cuts:
+    """Each interval [low, high] (n,) in equal pieces of at most `limit`; a billionth of a piece too many is none."""
+    if limit == np.inf:
+        return Cuts(np.arange(len(low)), low, high)
+    parts = np.ceil((high - low) / limit - 1e-9)
+    count = np.clip(np.nan_to_num(parts, nan=1.0), 1, _MOST_CUTS).astype(np.intp)
+    owner, k = expand_runs(np.zeros(len(count), np.intp), count)
+    begin, width, count = low[owner], (high - low)[owner], count[owner]
+    stop = np.where(k + 1 == count, high[owner], begin + width * (k + 1) / count)
+    return Cuts(owner, begin + width * k / count, stop)
 
 
-def cut_evenly(low: float, high: float, limit: float) -> list[float]:
-    """low .. high in equal parts of at most `limit`; a billionth of a part too many does not count."""
-    count = max(1, ceil((high - low) / limit - 1e-9))
-    return [low, *(low + (high - low) * k / count for k in range(1, count)), high]
+@dataclass(frozen=True)
+class Pieces:
+    """Rational Bezier pieces of one degree p, sorted by owner and, for each owner, by parameter.
 
-
-def pieces(curve: Curve, first: float, last: float) -> tuple[list[Piece], list[float]]:
-    """Rational Bezier pieces of curve over [first, last] and the n + 1 parameters between them.
-
-    Conic and line pieces have end weights 1. An offset curve is approximated within 1e-10 of its own extent.
+    owner: (m,); start, stop: (m,), the curve's parameters at the ends; points: (m, p + 1, dim + 1) homogeneous, the
+    end weights of conics' and lines' pieces being 1.
     """
-    if curve.kind == "line":
-        return [_polynomial(curve, first, last)], [first, last]
-    if curve.kind == "parabola":
-        return [_polynomial(curve, first, last)], [first, last]
-    if curve.kind in ("circle", "ellipse"):
-        cuts = cut_evenly(first, last, ANGLE_LIMIT)
-        return [_arc(curve, s, t, cos, sin) for s, t in zip(cuts, cuts[1:], strict=False)], cuts
-    if curve.kind == "hyperbola":
-        cuts = cut_evenly(first, last, HYPERBOLIC_LIMIT)
-        return [_arc(curve, s, t, cosh, sinh) for s, t in zip(cuts, cuts[1:], strict=False)], cuts
+
+    owner: Index
+    start: Array
+    stop: Array
+    points: Array
+
+
+def pieces(curves: Curves, which: Index, first: Array, last: Array) -> list[Pieces]:
+    """Pieces of the curves `which` (n,) over [first, last] (n,); the owner is the place in `which`.
+
+    Every owner's pieces are in one of the results. An offset curve is approximated within 1e-10 of its own extent.
+    """
+    result = []
+    kinds = curves.kind[which]
+    present = np.bincount(kinds)
+    for kind in np.flatnonzero(present).tolist():
+        owner = np.flatnonzero(kinds == kind)
+        wanted = (curves, which[owner], first[owner], last[owner])
+        if kind == LINE:
+            parts = [_lines(*wanted)]
+        elif kind in (CIRCLE, ELLIPSE):
+            parts = [_arcs(*wanted, kind)]
+        elif kind == BSPLINE:
+            parts = _splines(*wanted)
+        else:
+            parts = _others(*wanted)
+        result += [Pieces(owner[part.owner], part.start, part.stop, part.points) for part in parts]
+    return result
+
+
+def _lines(curves: Curves, which: Index, first: Array, last: Array) -> Pieces:
+    numbers = gather_reals(curves.data, curves.at[which], 2 * curves.dim)
+    origin, direction = numbers[:, None, : curves.dim], numbers[:, None, curves.dim :]
+    points = np.ones((len(which), 2, curves.dim + 1))
+    points[..., :-1] = origin + np.stack([first, last], axis=1)[..., None] * direction
+    return Pieces(np.arange(len(which)), first, last, points)
+
+
+def _arcs(curves: Curves, which: Index, first: Array, last: Array, kind: int) -> Pieces:
+    dim = curves.dim
+    skipped = 3 if dim == 3 else 0  # the normal
+    numbers = gather_reals(curves.data, curves.at[which], 3 * dim + skipped + (1 if kind == CIRCLE else 2))
+    origin, x, y = (numbers[:, k : k + dim] for k in (0, dim + skipped, 2 * dim + skipped))
+    a, b = numbers[:, 3 * dim + skipped, None] * x, numbers[:, -1, None] * y
+    cuts = cut_evenly(first, last, ANGLE_LIMIT)
+    cosine, sine, weight = unit_arcs(cuts.start, cuts.stop)
+    points = np.empty((len(cuts.owner), 3, dim + 1))
+    points[..., -1] = weight
+    center, a, b = (vector[cuts.owner, None] for vector in (origin, a, b))
+    points[..., :-1] = weight[..., None] * center + cosine[..., None] * a + sine[..., None] * b
+    return Pieces(cuts.owner, cuts.start, cuts.stop, points)
+
+
+def unit_arcs(start: Array, stop: Array) -> tuple[Array, Array, Array]:
+    """Homogeneous control points (cosine, sine, weight), each (n, 3), of the unit circle's arcs [start, stop]."""
+    angle = np.stack([start, 0.5 * (start + stop), stop], axis=1)
+    weight = np.ones_like(angle)
+    weight[:, 1] = np.cos(0.5 * (stop - start))
+    return np.cos(angle), np.sin(angle), weight
+
+
+def _splines(curves: Curves, which: Index, first: Array, last: Array) -> list[Pieces]:
+    distinct, spline = np.unique(which, return_inverse=True)
+    headers = gather(curves.data, curves.at[distinct], SPLINE)
+    rational, degree = headers["rational"], headers["degree"].astype(np.intp)
+    start = curves.at[distinct] + SPLINE.itemsize
+    size = 8 * (curves.dim + rational) * headers["poles"].astype(np.intp)
+    poles, first_pole = pole_columns(curves.data, start, size, curves.dim, rational)
+    knots = joined(curves.data, start + size, KNOTS.itemsize * headers["knots"].astype(np.intp), KNOTS)
+    vectors = knot_vectors(degree, knots, headers["knots"], headers["periodic"], *ranges(spline, first, last))
+    wanted = spans(vectors, spline, first, last)
+    kinds = 2 * degree[wanted.spline] + rational[wanted.spline]
+    result = []
+    for kind in np.flatnonzero(np.bincount(kinds)).tolist():
+        p, is_rational = divmod(kind, 2)
+        rows = np.flatnonzero(kinds == kind)
+        begin, end = wanted.start[rows], wanted.stop[rows]
+        around, numbers = knots_and_poles(vectors, wanted, rows, p)
+        values = bezier_points(poles[is_rational][:, numbers + first_pole[wanted.spline[rows]]], around, begin, end)
+        points = np.ones((len(rows), p + 1, curves.dim + 1))
+        points[..., : len(values)] = values.transpose(2, 1, 0)
+        result.append(Pieces(wanted.owner[rows], begin, end, points))
+    return result
+
+
+def pole_columns(
+    data: bytes, start: Index, size: Index, dim: int, rational: NDArray[np.bool_]
+) -> tuple[list[Array], Index]:
+    """The poles of n splines, whose `size` (n,) bytes start at `start` (n,): coordinates (dim, P) of those that are not
+    rational, homogeneous coordinates (dim + 1, Q) of those that are; each spline's first column (n,) in its table."""
+    tables = []
+    first = np.zeros(len(start), np.intp)
+    for kind in (0, 1):
+        own = np.flatnonzero(rational == kind)
+        width = dim + kind
+        table = np.array(joined(data, start[own], size[own], "<f8").reshape(-1, width).T, order="C")
+        if kind:
+            table[:dim] *= table[dim]
+        tables.append(table)
+        first[own] = offsets_of(size[own] // (8 * width))[:-1]
+    return tables, first
+
+
+def _others(curves: Curves, which: Index, first: Array, last: Array) -> list[Pieces]:
+    """The rare kinds, one curve at a time."""
+    result = []
+    for owner, (index, low, high) in enumerate(zip(which.tolist(), first.tolist(), last.tolist(), strict=True)):
+        points, cuts = curve_of_rare_kind(curves[index], low, high)
+        result.append(Pieces(np.full(len(points), owner), cuts[:-1], cuts[1:], points))
+    return result
+
+
+def curve_of_rare_kind(curve: Curve, first: float, last: float) -> tuple[Array, Array]:
+    """Pieces (m, p + 1, dim + 1) of a parabola, hyperbola, Bezier or offset curve, the parameters (m + 1,) between."""
     if curve.kind == "offset":
         from .offset import offset_pieces
 
         return offset_pieces(curve, first, last)
-    if curve.degree == 1 and curve.knots is not None and len(curve.knots) == 2 and not curve.rational:
-        return [_straight(curve, first, last)], [first, last]
-    points, spans = spline_pieces(curve, first, last)
-    return [list(map(tuple, piece)) for piece in points.tolist()], spans.tolist()
+    if curve.kind == "bezier":
+        return spline_pieces(curve, first, last)
+    origin, a, b = (np.array(vector) for vector in (curve.origin, curve.a, curve.b))
+    if curve.kind == "parabola":
+        squares, middles = np.array([first**2, first * last, last**2]), np.array([first, 0.5 * (first + last), last])
+        return _weighted(origin + np.outer(squares, a) + np.outer(middles, b))[None], np.array([first, last])
+    cuts = cut_evenly(np.array([first]), np.array([last]), HYPERBOLIC_LIMIT)
+    t = np.stack([cuts.start, 0.5 * (cuts.start + cuts.stop), cuts.stop], axis=1)[..., None]
+    weight = np.ones_like(t)
+    weight[:, 1, 0] = np.cosh(0.5 * (cuts.stop - cuts.start))
+    points = np.concatenate([weight * origin + np.cosh(t) * a + np.sinh(t) * b, weight], axis=-1)
+    return points, np.append(cuts.start, last)
+
+
+def _weighted(points: Array) -> Array:
+    return np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1)
 
 
 def spline_pieces(curve: Curve, first: float, last: float) -> tuple[Array, Array]:
-    """pieces() for a Bezier or B-spline curve as one array (m, degree + 1, dim + 1), and the parameters (m + 1,)."""
+    """Pieces (m, p + 1, dim + 1) of one Bezier or B-spline curve, and the parameters (m + 1,) between."""
     assert curve.poles is not None
     if curve.kind == "bezier":
         knots, multiplicities = np.array([0.0, 1.0]), np.full(2, curve.degree + 1, np.int32)
@@ -70,63 +196,3 @@ def spline_pieces(curve: Curve, first: float, last: float) -> tuple[Array, Array
     if not curve.rational:
         points[..., -1] = 1.0
     return points, cuts
-
-
-def _polynomial(curve: Curve, s: float, t: float) -> Piece:
-    """origin + t b (a line) or origin + t^2 a + t b (a parabola): the control points are the blossom values."""
-    if curve.kind == "line":
-        return [tuple(o + k * b for o, b in zip(curve.origin, curve.b, strict=True)) + (1.0,) for k in (s, t)]
-    ends = ((s * s, s), (s * t, 0.5 * (s + t)), (t * t, t))
-    return [
-        tuple(o + k2 * a + k * b for o, a, b in zip(curve.origin, curve.a, curve.b, strict=True)) + (1.0,)
-        for k2, k in ends
-    ]
-
-
-def _straight(curve: Curve, s: float, t: float) -> Piece:
-    """A polynomial B-spline of degree 1 with one span: many files write lines so."""
-    assert curve.poles is not None and curve.knots is not None
-    ends = curve.poles.tolist()
-    k0, k1 = curve.knots.tolist()
-    parts = ((s - k0) / (k1 - k0), (t - k0) / (k1 - k0))
-    return [tuple([(1 - r) * a + r * b for a, b in zip(*ends, strict=True)]) for r in parts]
-
-
-def _arc(curve: Curve, s: float, t: float, c: object, d: object) -> Piece:
-    """One arc of origin + c(t) a + d(t) b, (c, d) = (cos, sin) or (cosh, sinh), as a rational quadratic."""
-    assert callable(c) and callable(d)
-    middle, weight = 0.5 * (s + t), c(0.5 * (t - s))
-    frame = list(zip(curve.origin, curve.a, curve.b, strict=True))
-    ends = []
-    for k in (s, t):
-        ck, dk = c(k), d(k)
-        ends.append(tuple([o + ck * a + dk * b for o, a, b in frame] + [1.0]))
-    cm, dm = c(middle), d(middle)
-    return [ends[0], tuple([weight * o + cm * a + dm * b for o, a, b in frame] + [weight]), ends[1]]
-
-
-def projected(curve: Curve, rows: list[list[float]]) -> Curve:
-    """A 3-D curve's image in 2-D under an affine map, exact for every kind but offset curves, which it does not take.
-
-    rows: two rows of four numbers, applied to (x, y, z, 1).
-    """
-    if curve.poles is None:
-        x, y, z = curve.origin
-        return Curve(
-            curve.kind,
-            tuple([p * x + q * y + r * z + s for p, q, r, s in rows]),
-            tuple([p * curve.a[0] + q * curve.a[1] + r * curve.a[2] for p, q, r, _ in rows]) if curve.a else (),
-            tuple([p * curve.b[0] + q * curve.b[1] + r * curve.b[2] for p, q, r, _ in rows]),
-        )
-    poles = np.empty((len(curve.poles), 3))
-    poles[:, :-1] = curve.poles @ np.array(rows).T
-    poles[:, -1] = curve.poles[:, -1]
-    return Curve(
-        curve.kind,
-        degree=curve.degree,
-        poles=poles,
-        knots=curve.knots,
-        multiplicities=curve.multiplicities,
-        periodic=curve.periodic,
-        rational=curve.rational,
-    )

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import stream as brep
-from .convert import placed_faces
+from .convert import PlacedFace, placed_faces
+from .edges import edge_uses
 from .evaluate import Curves, Surfaces
-from .stream import FORWARD, REVERSED, WIRE, Curve, Edge, Face, Location, PCurve, Stream, Surface, multiply
+from .geometry import Curve, Surface
+from .stream import Stream
 from .surfaces import INFINITE
-from .trims import matrix_of
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -65,46 +66,39 @@ def edge_deviations(shape: TopoDS_Shape) -> EdgeDeviations:
     """
     stream = brep.read(shape)
     faces = placed_faces(stream)
+    first_place = {face.shape: index for index, face in reversed(list(enumerate(faces)))}
     collection = _Collection()
-    uses_of: dict[int, slice] = {}
-    base = collection.add_stream(stream)
-    for index, face in enumerate(faces):
-        if face.shape not in uses_of:
-            begin = len(collection.rows)
-            if not collection.add_face(stream, face.shape, base):
-                from .repair import face_with_pcurves
+    own = [face for face in dict.fromkeys(face.shape for face in faces) if stream.faces.surface[face]]
+    for face in collection.add(stream, own, own):
+        from .repair import face_with_pcurves
 
-                del collection.rows[begin:]
-                repaired = brep.read(face_with_pcurves(shape, index))
-                collection.add_face(repaired, repaired.root[1], collection.add_stream(repaired))
-            uses_of[face.shape] = slice(begin, len(collection.rows))
+        repaired = brep.read(face_with_pcurves(shape, first_place[face]))
+        collection.add(repaired, [repaired.root[1]], [face])
     distance = _Measurement(collection).distances()
     tolerance = np.array([row.tolerance for row in collection.rows], float)
-    scale = [_scale(stream, multiply(face.location, _own_location(stream, face.shape))) for face in faces]
-    of_face = [uses_of[face.shape] for face in faces]
-    return EdgeDeviations(
-        np.repeat(np.arange(len(faces), dtype=np.int32), [part.stop - part.start for part in of_face]),
-        np.concatenate([s * distance[part] for s, part in zip(scale, of_face, strict=True)] or [np.empty(0)]),
-        np.concatenate([s * tolerance[part] for s, part in zip(scale, of_face, strict=True)] or [np.empty(0)]),
-    )
+    rows_of: dict[int, list[int]] = {face.shape: [] for face in faces}
+    for number, row in enumerate(collection.rows):
+        rows_of[row.face].append(number)
+    use = np.array([number for face in faces for number in rows_of[face.shape]], np.int64)
+    placed = np.repeat(np.arange(len(faces), dtype=np.int32), [len(rows_of[face.shape]) for face in faces])
+    scale = np.array([_scale(stream, face) for face in faces])[placed]
+    return EdgeDeviations(placed, scale * distance[use], scale * tolerance[use])
 
 
-def _own_location(stream: Stream, face: int) -> Location:
-    return stream.locations[stream.shapes[face].location]
-
-
-def _scale(stream: Stream, location: Location) -> float:
-    """World lengths from lengths in the surface's own coordinates."""
-    return float(abs(np.linalg.det(matrix_of(stream, location)[:3, :3])) ** (1 / 3)) if location else 1.0
+def _scale(stream: Stream, face: PlacedFace) -> float:
+    """World lengths from lengths in the face's surface's own coordinates."""
+    location = stream.locations.compose(face.location, int(stream.faces.location[face.shape]))
+    return float(abs(np.linalg.det(stream.locations.matrix(location)[:3, :3])) ** (1 / 3)) if location else 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class _Use:
-    """One edge use: its 3-D curve and range; its curve in (u, v) and range, or -1: projected onto the plane.
+    """One edge use: its face; its 3-D curve and range; its curve in (u, v) and range, or -1: projected onto the plane.
 
     Numbers count in the collection's lists; frame takes the 3-D curve to the surface's coordinates.
     """
 
+    face: int
     curve: int
     first: float
     last: float
@@ -134,63 +128,35 @@ class _Collection:
         self.surfaces += stream.surfaces[1:]
         return base
 
-    def add_face(self, stream: Stream, shape: int, base: tuple[int, int, int]) -> bool:
-        """Add the edge uses of face `shape`. False: a pcurve is missing that has to be built first."""
-        face: Face = stream.shapes[shape]
-        if not face.surface:
-            return True
-        for wire_orientation, wire, wire_location in stream.children[shape]:
-            if wire_orientation not in (FORWARD, REVERSED) or stream.kinds[wire] != WIRE:
+    def add(self, stream: Stream, faces: list[int], names: list[int]) -> list[int]:
+        """Add the edge uses of `faces` (shape indices) under other names; returns the names of the faces left out
+        because a pcurve is missing that has to be built first."""
+        base = self.add_stream(stream)
+        uses, incomplete = edge_uses(stream, np.array(faces, np.intp))
+        edges, pcurves = stream.edges, stream.pcurves
+        measurable = ~edges.degenerated[uses.edge] & (edges.curve[uses.edge] > 0)
+        for k in np.flatnonzero(measurable).tolist():
+            face, edge, row = int(uses.face[k]), int(uses.edge[k]), int(uses.pcurve[k])
+            in_plane = (-1, 0.0, 0.0)
+            if row >= 0:
+                own = (pcurves.second[row] if uses.reversed[k] else 0) or pcurves.curve[row]
+                in_plane = (base[1] + int(own), float(pcurves.first[row]), float(pcurves.last[row]))
+            first, last = float(edges.first[edge]), float(edges.last[edge])
+            if not all(isfinite(t) and abs(t) < INFINITE for t in (first, last, *in_plane)):
                 continue
-            for orientation, number, edge_location in stream.children[wire]:
-                edge: Edge = stream.shapes[number]
-                if orientation not in (FORWARD, REVERSED) or edge.degenerated or not edge.curve or not edge.curve[0]:
-                    continue
-                location = multiply(stream.locations[wire_location], stream.locations[edge_location])
-                pcurve = _pcurve(stream, face, edge, location)
-                if pcurve is None and stream.surfaces[face.surface].kind != "plane":
-                    return False
-                self._add(stream, face, edge, location, pcurve, orientation != wire_orientation, base)
-        return True
+            curve, surface = base[0] + int(edges.curve[edge]), base[2] + int(stream.faces.surface[faces[face]])
+            placed = stream.locations.compose(int(uses.location[k]), int(edges.location[edge]))
+            frame = self._frame(stream, int(stream.faces.location[faces[face]]), placed)
+            tolerance = float(edges.tolerance[edge])
+            self.rows.append(_Use(names[face], curve, first, last, surface, *in_plane, frame, tolerance))
+        return [names[k] for k in incomplete.tolist()]
 
-    def _add(
-        self,
-        stream: Stream,
-        face: Face,
-        edge: Edge,
-        location: Location,
-        pcurve: PCurve | None,
-        backwards: bool,
-        base: tuple[int, int, int],
-    ) -> None:
-        assert edge.curve is not None
-        curve, curve_location, first, last = edge.curve
-        in_plane = (-1, 0.0, 0.0)
-        if pcurve is not None:
-            own = pcurve.second if backwards and pcurve.second else pcurve.curve
-            in_plane = (base[1] + own, pcurve.first, pcurve.last)
-        if not all(isfinite(t) and abs(t) < INFINITE for t in (first, last, *in_plane)):
-            return
-        frame = self._frame(stream, face, multiply(location, stream.locations[curve_location]))
-        row = _Use(base[0] + curve, first, last, base[2] + face.surface, *in_plane, frame, edge.tolerance)
-        self.rows.append(row)
-
-    def _frame(self, stream: Stream, face: Face, location: Location) -> int:
-        if location == stream.locations[face.location]:
+    def _frame(self, stream: Stream, own: int, placed: int) -> int:
+        """The number of the frame that takes location `placed` to location `own`."""
+        if placed == own:
             return 0
-        self.frames.append(np.linalg.inv(stream.matrices[face.location]) @ matrix_of(stream, location))
+        self.frames.append(np.linalg.inv(stream.locations.matrix(own)) @ stream.locations.matrix(placed))
         return len(self.frames) - 1
-
-
-def _pcurve(stream: Stream, face: Face, edge: Edge, location: Location) -> PCurve | None:
-    """The edge's curve on this face's surface at this place, as BRep_Tool::CurveOnSurface matches it."""
-    for pcurve in edge.pcurves:
-        if pcurve.surface == face.surface:
-            if not location and pcurve.location == face.location:
-                return pcurve
-            if multiply(location, stream.locations[pcurve.location]) == stream.locations[face.location]:
-                return pcurve
-    return None
 
 
 @dataclass(frozen=True)

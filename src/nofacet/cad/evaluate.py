@@ -15,7 +15,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .stream import Curve, Surface
+from .geometry import Curve, Surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

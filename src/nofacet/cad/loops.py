@@ -1,33 +1,53 @@
-"""Closed trim loops from a wire's curve uses: chained, welded, made whole across periods.
+"""Closed trim loops of many faces at once: put together from edge uses, welded, measured.
 
-A use is a list of segments that follow one edge once; a segment is (control points, edge), the control points
-homogeneous (wu, wv, w) with end weights 1, edge an index or -1. A loop is a list of segments that share end points
-bitwise. Real wires store their edges backwards or in any order, with gaps up to several per cent of the face, so the
-next use is the one that starts nearest; corners closes what gap remains.
+A loop is a run of segments that share end points bitwise; a segment is the control points of a rational Bezier curve,
+homogeneous (wu, wv, w) with end weights 1. Real wires store their edges backwards or in any order, with gaps up to
+several per cent of the face. Where every use's end meets exactly one other's start the order is plain; the rest is
+left to `chains`, which looks at one face at a time.
 """
 
 from __future__ import annotations
 
-from bisect import bisect
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from math import comb, hypot
+from math import comb
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .stream import Vector
+from .edges import Segments
+from .geometry import Vector
+from .tables import Index, expand, expand_runs, offsets_of
 
-Segment = tuple[list[Vector], int]
-Use = list[Segment]
+Array = NDArray[np.float64]
+Segment = tuple[list[Vector], int]  # control points and edge, -1 for none
 Loop = list[Segment]
 Box = tuple[float, float, float, float]
 
-# Gaps up to this part of the box are rounding.
+# Gaps up to this part of the box are rounding: the next segment's end is moved. Wider ones get a link.
 SNAP = 1e-9
 # A loop is a rectangle when its segments lie on the box's sides within this part of the box.
 RECTANGLE = 1e-9
+# An end that meets only one start within this part of a wire's extent is taken to belong to it.
+_JOINT = 1e-3
+_LONGEST_MATCHED = 64  # uses of a wire whose ends are compared each with each
+
+
+@dataclass(frozen=True)
+class Loops:
+    """L loops of S segments with M points, ordered by face; every face's loops stand together.
+
+    face: (L,); loop_offsets: (L + 1,) into segments; segment_offsets: (S + 1,) into points; points: (M, 3);
+    edge: (S,), what the segment runs along, -1 for none.
+    """
+
+    face: Index
+    loop_offsets: Index
+    segment_offsets: Index
+    points: Array
+    edge: NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -43,191 +63,157 @@ class ParameterSpace:
     collapsed: Callable[[int, float], bool]
 
 
-def reverse(use: Use) -> Use:
-    """The same use run through the other way."""
-    return [(points[::-1], edge) for points, edge in reversed(use)]
+@dataclass(frozen=True)
+class Ordered:
+    """Uses in the order of their loops: use (I,), loop (I,), equal for the uses of one loop.
 
-
-def chain(uses: list[Use], space: ParameterSpace) -> list[Loop]:
-    """Order the uses of one wire into loops by nearest start, shifting uses by whole periods where that joins them.
-
-    Joints are not welded yet. Usually one loop; more where the wire's uses close early.
-    """
-    width, height = _extent(uses)
-    rest = list(range(len(uses)))
-    loops: list[Loop] = []
-    current: list[Use] = []
-    hint = 0
-    while rest:
-        if not current:
-            hint = rest.pop(0)
-            current = [uses[hint]]
-            continue
-        start, end = current[0][0][0][0], current[-1][-1][0][-1]
-        place, gap = _nearest(uses, rest, hint, end, width, height)
-        closing = hypot((start[0] - end[0]) / width, (start[1] - end[1]) / height)
-        if closing <= 1e-3 and gap > 10 * closing + SNAP:
-            loops.append([segment for use in current for segment in use])
-            current = []
-            continue
-        shift = (0.0, 0.0)
-        if gap > 1e-3 and any(space.periods):
-            place, shift = _nearest_shifted(uses, rest, end, width, height, space, (place, gap))
-        hint = rest.pop(place)
-        current.append(_moved(uses[hint], *shift) if any(shift) else uses[hint])
-    loops.append([segment for use in current for segment in use])
-    return loops
-
-
-def _extent(uses: list[Use]) -> tuple[float, float]:
-    us, vs, _ = zip(*[points[k] for use in uses for points, _ in use for k in (0, -1)], strict=True)
-    width, height = max(us) - min(us), max(vs) - min(vs)
-    largest = max(width, height) or 1.0
-    return width or largest, height or largest
-
-
-def _nearest(
-    uses: list[Use], rest: list[int], hint: int, end: Vector, width: float, height: float
-) -> tuple[int, float]:
-    """Place in `rest` of the use that starts nearest to `end`, and its distance in parts of the extent.
-
-    The stored neighbours of use `hint` are asked first: mostly one of them fits exactly.
+    unclear: wires left out.
     """
 
-    def gap_at(place: int) -> float:
-        start = uses[rest[place]][0][0][0]
-        return hypot((start[0] - end[0]) / width, (start[1] - end[1]) / height)
-
-    after = bisect(rest, hint) % len(rest)
-    for place in (after, after - 1):
-        gap = gap_at(place)
-        if gap <= SNAP:
-            return place, gap
-    return min(((place, gap_at(place)) for place in range(len(rest))), key=lambda pair: pair[1])
+    use: Index
+    loop: Index
+    unclear: Index
 
 
-def _nearest_shifted(
-    uses: list[Use],
-    rest: list[int],
-    end: Vector,
-    width: float,
-    height: float,
-    space: ParameterSpace,
-    plain: tuple[int, float],
-) -> tuple[int, tuple[float, float]]:
-    """Place of the nearest start when uses may move by whole periods, and the move; `plain` (place, gap) stays if that
-    brings nothing.
+def order_uses(wire: Index, start: Array, end: Array, size: Array) -> Ordered:
+    """The order of uses (U,) within their wires where it is plain.
 
-    A gap of one period at a pole is no shift but a missing degenerate edge, and stays.
+    wire: (U,) ascending; start, end: (U, 2), where each use begins and ends; size: (U, 2), the extent of its wire.
     """
-    best = (plain[0], plain[1], (0.0, 0.0))
-    for place, use in enumerate(rest):
-        start = uses[use][0][0][0]
-        shift = [0.0, 0.0]
+    first = np.flatnonzero(np.append(True, wire[1:] != wire[:-1])[: len(wire)])
+    count = np.diff(np.append(first, len(wire)))
+    following = np.arange(1, len(wire) + 1)
+    following[first + count - 1] = first
+    plain = (count == 1) | every(_gap(end, start[following], size) <= SNAP, first)
+    rank, cycle = np.arange(len(wire)), np.zeros(len(wire), np.intp)
+    for tolerance in (SNAP, _JOINT):
+        rest = np.flatnonzero(~plain & (count <= _LONGEST_MATCHED))
+        if len(rest):
+            plain[rest], found, numbers = _cycles(first[rest], count[rest], start, end, size, tolerance)
+            rank[found], cycle[found] = np.arange(len(found)), numbers
+    clear = np.flatnonzero(np.repeat(plain, count))
+    order = clear[np.lexsort((rank[clear], cycle[clear], wire[clear]))]
+    loops_before = offsets_of(np.maximum.reduceat(cycle, first) + 1 if len(wire) else count)
+    loop = np.repeat(loops_before[:-1], count) + cycle
+    return Ordered(order, loop[order], wire[first[~plain]])
+
+
+def every(conditions: Any, first: Index) -> NDArray[np.bool_]:
+    """Whether the conditions hold in all of each run, first (n,) being where the runs start."""
+    return np.logical_and.reduceat(conditions, first) if len(first) else np.zeros(0, bool)
+
+
+def _gap(one: Array, other: Array, size: Array) -> Array:
+    gap = (one - other) / size
+    return np.asarray(np.hypot(gap[:, 0], gap[:, 1]))
+
+
+def _cycles(
+    first: Index, count: Index, start: Array, end: Array, size: Array, tolerance: float
+) -> tuple[NDArray[np.bool_], list[int], list[int]]:
+    """Which wires fall into cycles of uses that each meet exactly one other within a tolerance, in parts of the wire's
+    extent, one gap allowed; their uses in order, each's cycle.
+
+    first, count: (W,), the wires' first uses and numbers of uses.
+    """
+    wire, use = expand_runs(first, count)
+    place, other = expand_runs(first[wire], count[wire])
+    one = use[place]
+    meeting = np.flatnonzero(_gap(end[one], start[other], size[one]) <= tolerance)
+    one, other = one[meeting], other[meeting]
+    ends, starts = (np.bincount(uses, minlength=len(start))[use] for uses in (one, other))
+    runs = offsets_of(count)[:-1]
+    plain = every((ends <= 1) & (starts <= 1), runs)
+    loose_ends, loose_starts = (np.add.reduceat(number == 0, runs, dtype=np.intp) for number in (ends, starts))
+    plain &= (loose_ends == loose_starts) & (loose_ends <= 1)
+    following = np.zeros(len(start), np.intp)
+    following[one] = other
+    bridged = plain[wire] & (loose_ends == 1)[wire]  # what is left can only follow each other
+    following[use[bridged & (ends == 0)]] = use[bridged & (starts == 0)]
+    after = following.tolist()
+    order: list[int] = []
+    numbers: list[int] = []
+    seen = bytearray(len(start))
+    for begin, number_of_uses in zip(first[plain].tolist(), count[plain].tolist(), strict=True):
+        number = 0
+        for use_of_wire in range(begin, begin + number_of_uses):
+            k = use_of_wire
+            if seen[k]:
+                continue
+            while not seen[k]:
+                seen[k] = 1
+                order.append(k)
+                numbers.append(number)
+                k = after[k]
+            number += 1
+    return plain, order, numbers
+
+
+@dataclass(frozen=True)
+class Runs:
+    """L loops of S segments, ordered by face, before their joints are welded.
+
+    face: (L,); loop_offsets: (L + 1,); segment: (S,), its number in the table of segments; backwards: (S,), whether the
+    loop runs against it; shift: (S, 2), to be added to its (u, v); edge: (S,); start, end: (S, 2).
+    """
+
+    face: Index
+    loop_offsets: Index
+    segment: Index
+    backwards: NDArray[np.bool_]
+    shift: Array
+    edge: Index
+    start: Array
+    end: Array
+
+
+def runs(
+    segments: Segments, face: Index, loop: Index, use: Index, against: NDArray[np.bool_], shift: Array, edge: Index
+) -> Runs:
+    """Loops from uses in order: face, loop, use (I,), face and loop ascending; against: (I,), run backwards; shift:
+    (I, 2), to be added to (u, v); edge: (I,), of the segments."""
+    item, segment = expand(segments.offsets, use)
+    backwards, shift = against[item], shift[item]
+    low, high = segments.offsets[use][item], segments.offsets[use + 1][item]
+    segment = np.where(backwards, low + high - 1 - segment, segment)
+    first = segments.first_point[segment]
+    ends = segments.points[np.stack([first, first + segments.degree[segment]]), :2] + shift
+    start, end = np.where(backwards[:, None], ends[::-1], ends)
+    new_loop = np.flatnonzero(np.append(True, loop[1:] != loop[:-1])[: len(loop)])
+    before = offsets_of(np.diff(segments.offsets)[use])
+    loop_offsets = np.append(before[new_loop], before[-1])
+    return Runs(face[new_loop], loop_offsets, segment, backwards, shift, edge[item], start, end)
+
+
+def bounding_boxes(runs: Runs, segments: Segments, count: int) -> Array:
+    """u0, u1, v0, v1 (count, 4) of each face's loops, NaN without any: exact for straight segments, at most 1/200 of a
+    segment's own hull too wide else."""
+    boxes = np.full((count, 4), np.nan)
+    if not len(runs.face):
+        return boxes
+    first = np.flatnonzero(np.append(True, runs.face[1:] != runs.face[:-1]))
+    which = runs.face[first]
+    first_segment = runs.loop_offsets[first]
+    boxes[which, ::2] = np.minimum.reduceat(np.minimum(runs.start, runs.end), first_segment)
+    boxes[which, 1::2] = np.maximum.reduceat(np.maximum(runs.start, runs.end), first_segment)
+    face = np.repeat(runs.face, np.diff(runs.loop_offsets))
+    low, high = (corner[runs.segment] + runs.shift for corner in (segments.low, segments.high))
+    outside = (low < boxes[face, ::2]) | (high > boxes[face, 1::2])
+    degree = segments.degree[runs.segment]
+    bulging = np.flatnonzero(outside.any(axis=1) & (degree > 1))
+    for p in np.flatnonzero(np.bincount(degree[bulging])):
+        own = bulging[degree[bulging] == p]
+        hull = segments.points[segments.first_point[runs.segment[own]][:, None] + np.arange(p + 1)]
+        fine = _subdivision(int(p)) @ hull
+        fine = fine[..., :2] / fine[..., 2:] + runs.shift[own, None]
         for axis in (0, 1):
-            period = space.periods[axis]
-            if period:
-                shift[axis] = period * round((end[axis] - start[axis]) / period)
-                if shift[axis] and space.collapsed(1 - axis, end[1 - axis]):
-                    shift[axis] = 0.0
-        gap = hypot((start[0] + shift[0] - end[0]) / width, (start[1] + shift[1] - end[1]) / height)
-        if gap < 1e-2 * best[1]:
-            best = (place, gap, (shift[0], shift[1]))
-    return best[0], best[2]
-
-
-def _moved(use: Use, du: float, dv: float) -> Use:
-    return [([(u + du * w, v + dv * w, w) for u, v, w in points], edge) for points, edge in use]
-
-
-def winding(loop: Loop, space: ParameterSpace) -> tuple[int, int]:
-    """How often the loop, open by whole periods, runs along each period: (0, 0) for an ordinary loop."""
-    if not any(space.periods):
-        return 0, 0
-    start, end = loop[0][0][0], loop[-1][0][-1]
-    turns = [0, 0]
-    for axis, period in enumerate(space.periods):
-        if period and not space.collapsed(1 - axis, end[1 - axis]):
-            count = round((end[axis] - start[axis]) / period)
-            if count and abs(end[axis] - start[axis] - count * period) < 1e-3 * period:
-                other = abs(end[1 - axis] - start[1 - axis])
-                turns[axis] = count if other <= 1e-3 * (space.periods[1 - axis] or period) else 0
-    return turns[0], turns[1]
-
-
-def close_winding(loops: list[Loop], turns: list[tuple[int, int]], space: ParameterSpace) -> list[Loop]:
-    """Closed loops from loops that run along a period, so that even-odd holds.
-
-    Two loops of opposite winding are joined by a pair of slanted links that are translates of each other by the
-    period: what lies between the links is one period of the band between the loops. A loop left alone bounds a cap: it
-    is closed over the natural bound on its left (the material side of an edge on a forward face).
-    Raises ValueError where a loop finds no partner and the surface no end on that side.
-    """
-    result: list[Loop] = []
-    open_loops = list(zip(loops, turns, strict=True))
-    while open_loops:
-        loop, turn = open_loops.pop(0)
-        partner = next((k for k, (_, other) in enumerate(open_loops) if _opposite(turn, other)), None)
-        if partner is not None:
-            second, _ = open_loops.pop(partner)
-            result.append(_joined(loop, second, space))
-            continue
-        axis = 0 if turn[0] else 1
-        side = 2 * (1 - axis) + (1 if (turn[axis] > 0) == (axis == 0) else 0)
-        bound = space.bounds[side]
-        if abs(bound) >= 1e100:
-            raise ValueError("an edge loop runs around the surface, and nothing bounds the face on its inner side")
-        start, end = loop[0][0][0], loop[-1][0][-1]
-        lifted: list[Vector] = []
-        for point in (end, start):
-            corner = [point[0], point[1], 1.0]
-            corner[1 - axis] = bound
-            lifted.append((corner[0], corner[1], 1.0))
-        result.append([*loop, ([end, lifted[0]], -1), ([lifted[0], lifted[1]], -1), ([lifted[1], start], -1)])
-    return result
-
-
-def _opposite(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    return one == (-other[0], -other[1])
-
-
-def _joined(first: Loop, second: Loop, space: ParameterSpace) -> Loop:
-    """Two loops of opposite winding as one, the second moved by whole periods to start near the first one's end."""
-    end, start = first[-1][0][-1], second[0][0][0]
-    shift = [
-        period * round((end[axis] - start[axis]) / period) if period else 0.0
-        for axis, period in enumerate(space.periods)
-    ]
-    second = _moved(second, shift[0], shift[1]) if any(shift) else second
-    return [
-        *first,
-        ([end, second[0][0][0]], -1),
-        *second,
-        ([second[-1][0][-1], first[0][0][0]], -1),
-    ]
-
-
-def bounding_box(loops: list[Loop]) -> Box:
-    """u0, u1, v0, v1 of all loops: exact for straight segments, at most 1/200 of a segment's own hull too wide else."""
-    us, vs, _ = zip(*[points[k] for loop in loops for points, _ in loop for k in (0, -1)], strict=True)
-    u0, u1, v0, v1 = min(us), max(us), min(vs), max(vs)
-    bulging: dict[int, list[list[Vector]]] = {}
-    for loop in loops:
-        for points, _ in loop:
-            for u, v, w in points[1:-1]:
-                if not (u0 * w <= u <= u1 * w and v0 * w <= v <= v1 * w):
-                    bulging.setdefault(len(points) - 1, []).append(points)
-                    break
-    for degree, curves in bulging.items():
-        fine = _subdivision(degree) @ np.array(curves)
-        u, v = fine[..., 0] / fine[..., 2], fine[..., 1] / fine[..., 2]
-        u0, u1 = min(u0, float(u.min())), max(u1, float(u.max()))
-        v0, v1 = min(v0, float(v.min())), max(v1, float(v.max()))
-    return u0, u1, v0, v1
+            np.minimum.at(boxes[:, 2 * axis], face[own], fine[..., axis].min(axis=1))
+            np.maximum.at(boxes[:, 2 * axis + 1], face[own], fine[..., axis].max(axis=1))
+    return boxes
 
 
 @cache
-def _subdivision(degree: int) -> NDArray[np.float64]:
+def _subdivision(degree: int) -> Array:
     """(16 (degree + 1), degree + 1): control points of a Bezier curve's sixteen equal parts from its own."""
     left = np.array([[comb(i, j) / 2.0**i for j in range(degree + 1)] for i in range(degree + 1)])
     halves = np.vstack([left, left[::-1, ::-1]])
@@ -238,21 +224,158 @@ def _subdivision(degree: int) -> NDArray[np.float64]:
     return result
 
 
-def is_rectangle(loops: list[Loop], box: Box) -> bool:
-    """Whether the loops are one loop once around the box, every segment on one of its sides."""
-    if len(loops) != 1:
-        return False
-    u0, u1, v0, v1 = box
-    du, dv = RECTANGLE * (u1 - u0), RECTANGLE * (v1 - v0)
-    area = 0.0
-    for points, _ in loops[0]:
-        first, last = points[0], points[-1]
-        for axis, side, tolerance in ((0, u0, du), (0, u1, du), (1, v0, dv), (1, v1, dv)):
-            ends_on_it = abs(first[axis] - side) <= tolerance and abs(last[axis] - side) <= tolerance
-            if ends_on_it and all(abs(p[axis] - side * p[2]) <= tolerance for p in points[1:-1]):
-                break
-        else:
-            return False
-        area += (first[0] - u0) * (last[1] - v0) - (last[0] - u0) * (first[1] - v0)
-    whole = (u1 - u0) * (v1 - v0)
-    return abs(abs(0.5 * area) - whole) <= 1e-6 * whole
+@dataclass(frozen=True)
+class Joints:
+    """The joint behind each segment (S,) of runs: the segment that follows; whether the joint is open at all; whether
+    the gap is one of rounding; the gap's width (S,) in parts of the face's box."""
+
+    following: Index
+    is_open: NDArray[np.bool_]
+    small: NDArray[np.bool_]
+    width: Array
+
+
+def joints(runs: Runs, boxes: Array) -> Joints:
+    """The joints of loops on faces with these boxes (F, 4)."""
+    segment_count = np.diff(runs.loop_offsets)
+    following = np.arange(1, len(runs.segment) + 1)
+    following[runs.loop_offsets[1:] - 1] = runs.loop_offsets[:-1]
+    gap = np.abs(runs.start[following] - runs.end)
+    size = np.repeat((boxes[:, 1::2] - boxes[:, ::2])[runs.face], segment_count, axis=0)
+    alone = np.repeat(segment_count == 1, segment_count)
+    small = np.all(gap <= SNAP * size, axis=1) & ~alone
+    return Joints(following, np.asarray(np.any(gap > 0, axis=1)), np.asarray(small), np.hypot(*(gap / size).T))
+
+
+def welded(runs: Runs, segments: Segments, joints: Joints) -> Loops:
+    """Loops in which every segment starts bitwise where the one before it ends: small gaps are moved away, wider ones
+    get a straight link."""
+    following = joints.following
+    segment_count = np.diff(runs.loop_offsets)
+    links = np.flatnonzero(joints.is_open & ~joints.small)
+    segment, backwards, shift, edge, added = runs.segment, runs.backwards, runs.shift, runs.edge, 0 * segment_count
+    if len(links):
+        ends = np.stack([runs.end[links], runs.start[following[links]]], axis=1)
+        segment = np.insert(segment, links + 1, segments.offsets[-1] + np.arange(len(links)))
+        segments = segments.with_links(ends)
+        backwards, edge = np.insert(backwards, links + 1, False), np.insert(edge, links + 1, -1)
+        shift = np.insert(shift, links + 1, 0.0, axis=0)
+        loop = np.searchsorted(runs.loop_offsets, links, side="right") - 1
+        added = np.bincount(loop, minlength=len(segment_count))
+    offsets, points = _gathered(segments, segment, backwards, shift)
+    moved = np.flatnonzero(joints.is_open & joints.small)
+    place = np.arange(len(following)) + np.searchsorted(links, np.arange(len(following)))
+    before, after = offsets[place[moved] + 1] - 1, offsets[place[following[moved]]]
+    back = following[moved] <= moved
+    points[after[~back]] = points[before[~back]]
+    points[before[back]] = points[after[back]]
+    return Loops(runs.face, offsets_of(segment_count + added), offsets, points, edge.astype(np.int32))
+
+
+def reverse(loop: Loop) -> Loop:
+    """The same segments run through the other way."""
+    return [(points[::-1], edge) for points, edge in reversed(loop)]
+
+
+def as_list(runs: Runs, segments: Segments, loop: int) -> Loop:
+    """The segments of one loop one by one."""
+    own = slice(runs.loop_offsets[loop], runs.loop_offsets[loop + 1])
+    offsets, points = _gathered(segments, runs.segment[own], runs.backwards[own], runs.shift[own])
+    flat = list(map(tuple, points.tolist()))
+    ends = zip(offsets.tolist(), offsets[1:].tolist(), runs.edge[own].tolist(), strict=False)
+    return [(flat[low:high], edge) for low, high, edge in ends]
+
+
+def from_lists(loops: list[tuple[int, Loop]]) -> Loops:
+    """A table of welded loops, each with its face."""
+    segments = [segment for _, loop in loops for segment in loop]
+    return Loops(
+        np.array([face for face, _ in loops], np.intp),
+        offsets_of(np.array([len(loop) for _, loop in loops], np.intp)),
+        offsets_of(np.array([len(points) for points, _ in segments], np.intp)),
+        np.array([point for points, _ in segments for point in points], float).reshape(-1, 3),
+        np.array([edge for _, edge in segments], np.int32),
+    )
+
+
+def as_runs(loops: Loops) -> tuple[Runs, Segments]:
+    """Welded loops as runs of segments of their own."""
+    first, last = loops.segment_offsets[:-1], loops.segment_offsets[1:] - 1
+    count = len(first)
+    controls = loops.points[:, :2] / loops.points[:, 2:]
+    low, high = (bound.reduceat(controls, first) if count else controls for bound in (np.minimum, np.maximum))
+    number = np.arange(count)
+    segments = Segments(np.arange(count + 1), first, last - first, low, high, loops.points)
+    ends = loops.points[first, :2], loops.points[last, :2]
+    edge = loops.edge.astype(np.intp)
+    return Runs(loops.face, loops.loop_offsets, number, number < 0, np.zeros((count, 2)), edge, *ends), segments
+
+
+def _gathered(segments: Segments, segment: Index, backwards: NDArray[np.bool_], shift: Array) -> tuple[Index, Array]:
+    """Segments' points (M, 3), one behind the other, and where each one's begin (S + 1,)."""
+    degree = segments.degree[segment]
+    size = degree + 1
+    offsets = offsets_of(size)
+    step = np.where(backwards, -1, 1)
+    start = segments.first_point[segment] + np.where(backwards, degree, 0) - step * offsets[:-1]
+    points = segments.points.take(np.repeat(start, size) + np.repeat(step, size) * np.arange(offsets[-1]), axis=0)
+    if shift.any():
+        points[:, :2] += np.repeat(shift, size, axis=0) * points[:, 2:]
+    return offsets, points
+
+
+def rectangles(loops: Loops, boxes: Array) -> NDArray[np.bool_]:
+    """Whether each face's (F,) loops are one loop once around its box, every segment on one of the box's sides."""
+    result = np.zeros(len(boxes), bool)
+    single = np.flatnonzero(np.bincount(loops.face, minlength=len(boxes))[loops.face] == 1)
+    loop, segment = expand(loops.loop_offsets, single)
+    box = boxes[loops.face[single]]
+    low, width = box[:, ::2], box[:, 1::2] - box[:, ::2]
+    ends = loops.points[np.stack([loops.segment_offsets[segment], loops.segment_offsets[segment + 1] - 1]), :2]
+    first, last = (ends - low[loop]) / width[loop]
+    runs = offsets_of(np.diff(loops.loop_offsets)[single])[:-1]
+    near = [np.abs(first - side) <= RECTANGLE for side in (0, 1)]
+    near = [one & (np.abs(last - side) <= RECTANGLE) for side, one in zip((0, 1), near, strict=True)]
+    beside = np.concatenate(near, axis=1)  # (S, 4): u0, v0, u1, v1
+    area = 0.5 * np.add.reduceat(first[:, 0] * last[:, 1] - last[:, 0] * first[:, 1], runs) if len(runs) else runs
+    candidate = every(np.any(beside, axis=1), runs) & (np.abs(np.abs(area) - 1) <= 1e-6)
+    kept = np.flatnonzero(candidate[loop])
+    owner, point = expand(loops.segment_offsets, segment[kept])
+    of_loop = loop[kept][owner]
+    u, v, w = loops.points[point].T
+    u, v = (u - low[of_loop, 0] * w) / width[of_loop, 0], (v - low[of_loop, 1] * w) / width[of_loop, 1]
+    on_side = np.abs(np.stack([u, v, u - w, v - w], axis=1)) <= RECTANGLE
+    starts = offsets_of(np.diff(loops.segment_offsets)[segment[kept]])[:-1]
+    straight = np.logical_and.reduceat(on_side, starts).any(axis=1) if len(starts) else np.zeros(0, bool)
+    bent = np.bincount(loop[kept][~straight], minlength=len(single)) > 0
+    result[loops.face[single]] = candidate & ~bent
+    return result
+
+
+def merged(tables: list[Loops]) -> Loops:
+    """The loops of several tables as one, ordered by face."""
+    face = np.concatenate([table.face for table in tables])
+    segment_sizes = np.concatenate([np.diff(table.segment_offsets) for table in tables])
+    loops_before = offsets_of(np.concatenate([np.diff(table.loop_offsets) for table in tables]))
+    points_before = offsets_of(segment_sizes)
+    order = np.argsort(face, kind="stable")
+    _, segment = expand(loops_before, order)
+    _, point = expand(points_before, segment)
+    points = np.concatenate([table.points for table in tables])[point]
+    edge = np.concatenate([table.edge for table in tables])[segment]
+    loop_offsets = offsets_of(np.diff(loops_before)[order])
+    return Loops(face[order], loop_offsets, offsets_of(segment_sizes[segment]), points, edge)
+
+
+def without(loops: Loops, faces: Index) -> Loops:
+    """The loops of all faces but these."""
+    kept = np.flatnonzero(~np.isin(loops.face, faces))
+    _, segment = expand(loops.loop_offsets, kept)
+    _, point = expand(loops.segment_offsets, segment)
+    return Loops(
+        loops.face[kept],
+        offsets_of(np.diff(loops.loop_offsets)[kept]),
+        offsets_of(np.diff(loops.segment_offsets)[segment]),
+        loops.points[point],
+        loops.edge[segment],
+    )

@@ -8,7 +8,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from .stream import Curve, Vector
+from .geometry import Curve
 
 Array = NDArray[np.float64]
 
@@ -17,12 +17,12 @@ DEGREE = 7  # of the pieces: high, because offsets of smooth curves are smooth
 DEPTH = 24  # halvings at most: a kink of the basis curve cannot be interpolated and stops here
 
 
-def offset_pieces(curve: Curve, first: float, last: float) -> tuple[list[list[Vector]], list[float]]:
-    """Polynomial Bezier pieces of an offset curve over [first, last] and the parameters between, as curves.pieces."""
+def offset_pieces(curve: Curve, first: float, last: float) -> tuple[Array, Array]:
+    """Polynomial Bezier pieces (m, p + 1, dim + 1) of an offset curve over [first, last], the parameters (m + 1,)."""
     ends = [first, *_kinks(curve, first, last), last]
     sample = _evaluate(curve, np.linspace(first, last, 65))
     tolerance = TOLERANCE * float(np.ptp(sample, axis=0).max())
-    result: list[list[Vector]] = []
+    result = []
     cuts = [first]
     work = [(a, b, DEPTH) for a, b in zip(ends, ends[1:], strict=False)][::-1]
     while work:
@@ -34,9 +34,9 @@ def offset_pieces(curve: Curve, first: float, last: float) -> tuple[list[list[Ve
             middle = 0.5 * (a + b)
             work += [(middle, b, depth - 1), (a, middle, depth - 1)]
             continue
-        result.append([(*point, 1.0) for point in points.tolist()])
+        result.append(np.column_stack([points, np.ones(len(points))]))
         cuts.append(b)
-    return result, cuts
+    return np.array(result), np.array(cuts)
 
 
 def _evaluate(curve: Curve, t: Array) -> Array:

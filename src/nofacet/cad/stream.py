@@ -1,23 +1,26 @@
 """A shape's whole boundary representation from one OpenCascade call.
 
 Asking OpenCascade pole by pole costs microseconds a call; its own binary serialisation (BinTools, format version 4)
-writes everything in milliseconds, and this module reads those bytes into plain tuples and arrays. The format is
-little-endian and packed: text section headers ("Curves 12") followed by binary records. It is defined by what
-BinTools writes (OpenCascade 7.6 and later), so the version is pinned and the header line checked.
+writes everything in milliseconds, and this module reads those bytes into tables. The format is little-endian and
+packed: text section headers ("Curves 12") followed by binary records of many sizes. One pass over the bytes finds where
+each record starts; numpy then reads all records of one kind together. The format is defined by what BinTools writes
+(OpenCascade 7.6 and later), so the version is pinned and the header line checked.
 """
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
 from dataclasses import dataclass
 from struct import Struct
+from struct import error as StructError
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .locations import Location, Locations
+from .records import Curves, Index, Surfaces, gather, gather_reals, scan_curves, scan_surfaces
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -27,109 +30,74 @@ SOLID_LIKE, FACE, WIRE, EDGE, VERTEX = (0, 1, 2, 3), 4, 5, 6, 7  # TopAbs_ShapeE
 FORWARD, REVERSED, INTERNAL, EXTERNAL = 0, 1, 2, 3  # TopAbs_Orientation
 
 Array = NDArray[np.float64]
-Vector = tuple[float, ...]
-Location = tuple[tuple[int, int], ...]  # (datum, power) pairs, rightmost factor first, as TopLoc_Location has them
 
 
-@dataclass(slots=True)
-class Curve:
-    """A curve in 2 or 3 dimensions, by kind, with t OpenCascade's parameter.
+@dataclass(frozen=True)
+class References:
+    """Sub-shapes: those of shape k are entries offsets[k] .. offsets[k + 1]."""
 
-    line: origin + t b; circle, ellipse: origin + cos t a + sin t b; hyperbola: origin + cosh t a + sinh t b;
-    parabola: origin + t^2 a + t b; bezier (0 <= t <= 1), bspline: poles (n, dim + 1) homogeneous;
-    offset: basis moved by `offset` along its normal (2-D: right of the tangent; 3-D: tangent x direction b).
-    bounds: the range of a trimmed curve, None where it is the kind's own.
+    offsets: Index
+    orientation: NDArray[np.uint8]
+    shape: Index
+    location: Index
+
+
+@dataclass(frozen=True)
+class Faces:
+    """By shape index: numbers of the surface, its location and the triangulation, 0 for none or no face."""
+
+    surface: Index
+    location: Index
+    triangulation: Index
+
+
+@dataclass(frozen=True)
+class Edges:
+    """By shape index: the edge's tolerance, whether it is degenerate, its 3-D curve (0: none), that curve's location
+    and range."""
+
+    tolerance: Array
+    degenerated: NDArray[np.bool_]
+    curve: Index
+    location: Index
+    first: Array
+    last: Array
+
+
+@dataclass(frozen=True)
+class PCurves:
+    """Edges' curves on surfaces: those of shape k are entries offsets[k] .. offsets[k + 1].
+
+    second: the curve used by the reversed use of a seam, 0 for none.
     """
 
-    kind: str
-    origin: Vector = ()
-    a: Vector = ()
-    b: Vector = ()
-    degree: int = 0
-    poles: Array | None = None
-    knots: Array | None = None
-    multiplicities: NDArray[np.int32] | None = None
-    periodic: bool = False
-    rational: bool = False
-    basis: Curve | None = None
-    offset: float = 0.0
-    bounds: tuple[float, float] | None = None
+    offsets: Index
+    curve: Index
+    second: Index
+    surface: Index
+    location: Index
+    first: Array
+    last: Array
 
 
-@dataclass(slots=True)
-class Surface:
-    """A surface in OpenCascade's own parameters (u, v).
-
-    Elementary ones live in the frame (origin, x, y, z), y as stored, so left-handed frames stay so; radii hold
-    (radius, 0), cone (reference radius, half angle), torus (major, minor). extrusion: curve(u) + v z; revolution:
-    curve(v) turned by u about the axis (origin, z). bezier, bspline: poles (nu, nv, 4) homogeneous.
-    bounds: u0, u1, v0, v1 of a rectangular-trimmed surface, else None. offset: distance from `basis`.
-    """
-
-    kind: str
-    origin: Vector = ()
-    x: Vector = ()
-    y: Vector = ()
-    z: Vector = ()
-    radii: tuple[float, float] = (0.0, 0.0)
-    curve: Curve | None = None
-    degrees: tuple[int, int] = (0, 0)
-    poles: Array | None = None
-    knots: tuple[Array, Array] | None = None
-    multiplicities: tuple[NDArray[np.int32], NDArray[np.int32]] | None = None
-    periodic: tuple[bool, bool] = (False, False)
-    rational: bool = False
-    basis: Surface | None = None
-    offset: float = 0.0
-    bounds: tuple[float, float, float, float] | None = None
-
-
-@dataclass(slots=True)
-class PCurve:
-    """An edge's curve on a surface; `second` is used by the reversed use of a seam. Indices count from 1, 0 is none."""
-
-    surface: int
-    location: int
-    curve: int
-    second: int
-    first: float
-    last: float
-
-
-@dataclass(slots=True)
-class Edge:
-    """curve: (curve index, location index, first, last) of the 3-D curve, or None."""
-
-    tolerance: float
-    degenerated: bool
-    curve: tuple[int, int, float, float] | None
-    pcurves: list[PCurve]
-
-
-@dataclass(slots=True)
-class Face:
-    surface: int
-    location: int
-    triangulation: int
-
-
-@dataclass(slots=True)
+@dataclass(frozen=True)
 class Stream:
-    """Everything BinTools wrote. All lists count from 1 (entry 0 is None), as the indices in the records do.
+    """Everything BinTools wrote. Shapes, curves, surfaces and triangulations count from 1.
 
-    children[k]: (orientation, shape, location) triples of shape k; root: the same triple for the shape itself.
-    locations: datum chains; matrices: the same as (4, 4) arrays. triangulations: (nodes (n, 3), triangles (m, 3)).
+    kinds: TopAbs_ShapeEnum by shape index; root: (orientation, shape, location) of the shape itself.
+    triangulations: (nodes (n, 3), triangles (m, 3)).
     """
 
-    locations: list[Location]
-    matrices: list[Array]
-    curves2d: list[Any]
-    curves: list[Any]
-    surfaces: list[Any]
+    locations: Locations
+    curves2d: Curves
+    curves: Curves
+    surfaces: Surfaces
     triangulations: list[Any]
-    kinds: list[int]
-    shapes: list[Any]
-    children: list[list[tuple[int, int, int]]]
+    kinds: NDArray[np.uint8]
+    children: References
+    faces: Faces
+    edges: Edges
+    pcurves: PCurves
     root: tuple[int, int, int]
 
 
@@ -148,306 +116,201 @@ def parse(data: bytes) -> Stream:
     """Parse BinTools bytes, format version 4. Raises InputError when they are not that or end at the wrong place."""
     if not data.startswith(HEADER):
         raise InputError(f"OpenCascade wrote an unknown binary format {data[:45]!r}: this version cannot be read")
-    reader = _Reader(data)
-    reader.at = len(HEADER)
-    locations, matrices = _locations(reader)
-    curves2d = _section(reader, b"Curve2ds", lambda: _curve(reader, 2))
-    curves = _section(reader, b"Curves", lambda: _curve(reader, 3))
+    try:
+        return _parse(data)
+    except (IndexError, StructError) as problem:
+        raise InputError("OpenCascade's binary format has parts this version does not know") from problem
+
+
+def _parse(data: bytes) -> Stream:
+    count, at = _section(data, len(HEADER), b"Locations")
+    locations, at = _locations(data, at, count)
+    count, at = _section(data, at, b"Curve2ds")
+    curves2d, at = scan_curves(data, at, 2, count)
+    count, at = _section(data, at, b"Curves")
+    curves, at = scan_curves(data, at, 3, count)
     for empty in (b"Polygon3D", b"PolygonOnTriangulations"):
-        if reader.header(empty):
+        count, at = _section(data, at, empty)
+        if count:
             raise InputError("OpenCascade wrote polygons that were not asked for: this version cannot be read")
-    surfaces = _section(reader, b"Surfaces", lambda: _surface(reader))
-    triangulations = _section(reader, b"Triangulations", lambda: _triangulation(reader))
-    kinds, shapes, children = _shapes(reader)
-    root = _reference(reader, len(kinds))
-    if root is None or reader.at != len(data):
+    count, at = _section(data, at, b"Surfaces")
+    surfaces, at = scan_surfaces(data, at, count)
+    count, at = _section(data, at, b"Triangulations")
+    triangulations: list[Any] = [None]
+    for _ in range(count):
+        triangulation, at = _triangulation(data, at)
+        triangulations.append(triangulation)
+    count, at = _section(data, at, b"TShapes")
+    scan = _scan_shapes(data, at, count)
+    if scan.end + _REFERENCE.itemsize != len(data):
         raise InputError("OpenCascade's binary format has parts this version does not know")
-    return Stream(locations, matrices, curves2d, curves, surfaces, triangulations, kinds, shapes, children, root)
+    orientation, shape, location = gather(data, np.array([scan.end]), _REFERENCE)[0].tolist()
+    return Stream(
+        locations,
+        curves2d,
+        curves,
+        surfaces,
+        triangulations,
+        np.array(scan.kinds, np.uint8),
+        _references(data, scan),
+        _faces(data, scan),
+        *_edges(data, scan),
+        (orientation, count + 1 - shape, location),
+    )
 
 
-_INT, _REAL, _SHORT = Struct("<i"), Struct("<d"), Struct("<H")
-_REALS = {n: Struct(f"<{n}d") for n in range(1, 17)}
-_REFERENCE = Struct("<Bii")
-_KNOTS = np.dtype([("knot", "<f8"), ("multiplicity", "<i4")])
+def _section(data: bytes, at: int, name: bytes) -> tuple[int, int]:
+    """The count of the section header 'name count' at or after byte `at`, and the byte after the header."""
+    while data[at] == 10:
+        at += 1
+    end = data.index(b"\n", at) if b"\n" in data[at : at + 60] else at
+    word, _, count = data[at:end].partition(b" ")
+    if word != name:
+        raise InputError(f"OpenCascade's binary format has {word!r} where {name!r} should be")
+    return int(count), end + 1
 
 
-class _Reader:
-    """A position in the bytes."""
-
-    __slots__ = ("data", "at")
-
-    def __init__(self, data: bytes) -> None:
-        self.data = data
-        self.at = 0
-
-    def byte(self) -> int:
-        self.at += 1
-        return self.data[self.at - 1]
-
-    def integer(self) -> int:
-        self.at += 4
-        return int(_INT.unpack_from(self.data, self.at - 4)[0])
-
-    def short(self) -> int:
-        self.at += 2
-        return int(_SHORT.unpack_from(self.data, self.at - 2)[0])
-
-    def real(self) -> float:
-        self.at += 8
-        return float(_REAL.unpack_from(self.data, self.at - 8)[0])
-
-    def reals(self, n: int) -> Vector:
-        at = self.at
-        self.at += 8 * n
-        return _REALS[n].unpack_from(self.data, at)
-
-    def array(self, dtype: Any, count: int) -> NDArray[Any]:
-        result = np.frombuffer(self.data, dtype, count, self.at).copy()
-        self.at += result.nbytes
-        return result
-
-    def header(self, name: bytes) -> int:
-        """Read the section header 'name count' and return the count."""
-        while self.data[self.at] == 10:
-            self.at += 1
-        end = self.data.index(b"\n", self.at)
-        word, count = self.data[self.at : end].split()
-        if word != name:
-            raise InputError(f"OpenCascade's binary format has {word!r} where {name!r} should be")
-        self.at = end + 1
-        return int(count)
+_INT, _PAIR, _SIZES = Struct("<i"), Struct("<ii"), Struct("<iiBB")
 
 
-def _section(reader: _Reader, name: bytes, read_one: Callable[[], Any]) -> list[Any]:
-    return [None, *(read_one() for _ in range(reader.header(name)))]
-
-
-def multiply(left: Location, right: Location) -> Location:
-    """The location left * right with equal neighbours merged, as TopLoc_Location::Multiplied does."""
-    result = left
-    for datum, power in reversed(right):
-        if result and result[0][0] == datum:
-            power += result[0][1]
-            result = result[1:]
-        if power:
-            result = ((datum, power), *result)
-    return result
-
-
-def _locations(reader: _Reader) -> tuple[list[Location], list[Array]]:
+def _locations(data: bytes, at: int, count: int) -> tuple[Locations, int]:
     chains: list[Location] = [()]
-    matrices: list[Array] = [np.eye(4)]
-    for index in range(1, reader.header(b"Locations") + 1):
-        matrix = np.eye(4)
-        if reader.byte() == 1:
-            matrix[:3] = np.reshape(reader.reals(12), (3, 4))
-            chain: Location = ((index, 1),)
-        else:
-            chain = ()
-            while datum := reader.integer():
-                power = reader.integer()
-                chain = (*chain, (datum, power))
-                matrix = np.linalg.matrix_power(matrices[datum], power) @ matrix
+    datums = []
+    for number in range(1, count + 1):
+        at += 1
+        if data[at - 1] == 1:
+            datums.append(at)
+            chains.append(((number, 1),))
+            at += 96
+            continue
+        chain: Location = ()
+        while _INT.unpack_from(data, at)[0]:
+            chain = (*chain, _PAIR.unpack_from(data, at))
+            at += 8
+        at += 4
         chains.append(chain)
-        matrices.append(matrix)
-    return chains, matrices
+    matrices = np.tile(np.eye(4), (len(datums), 1, 1))
+    matrices[:, :3] = gather_reals(data, np.array(datums, np.intp), 12).reshape(-1, 3, 4)
+    return Locations(chains, matrices), at
 
 
-_CURVES = ("", "line", "circle", "ellipse", "parabola", "hyperbola", "bezier", "bspline", "trimmed", "offset")
+def _triangulation(data: bytes, at: int) -> tuple[tuple[Array, NDArray[np.int32]], int]:
+    nodes, triangles, has_uv, has_normals = _SIZES.unpack_from(data, at)
+    at += 18  # sizes, flags, deflection
+    points = np.frombuffer(data, "<f8", 3 * nodes, at).reshape(nodes, 3)
+    at += 24 * nodes + (16 * nodes if has_uv else 0)
+    corners = np.frombuffer(data, "<i4", 3 * triangles, at).reshape(triangles, 3) - 1
+    return (points, corners), at + 12 * triangles + (12 * nodes if has_normals else 0)
 
 
-def _curve(reader: _Reader, dim: int) -> Curve:
-    kind = _CURVES[reader.byte()]
-    if kind == "line":
-        numbers = reader.reals(2 * dim)
-        return Curve(kind, numbers[:dim], (), numbers[dim:])
-    if kind in ("circle", "ellipse", "parabola", "hyperbola"):
-        return _conic(reader, kind, dim)
-    if kind == "trimmed":
-        bounds = (reader.real(), reader.real())
-        basis = _curve(reader, dim)
-        basis.bounds = bounds
-        return basis
-    if kind == "offset":
-        offset = reader.real()
-        direction = reader.reals(3) if dim == 3 else ()
-        return Curve(kind, b=direction, basis=_curve(reader, dim), offset=offset)
-    rational = bool(reader.byte())
-    if kind == "bezier":
-        degree = reader.short()
-        return Curve(kind, degree=degree, poles=_poles(reader, (degree + 1,), dim, rational), rational=rational)
-    periodic = bool(reader.byte())
-    degree, count, knot_count = reader.short(), reader.integer(), reader.integer()
-    poles = _poles(reader, (count,), dim, rational)
-    knots = reader.array(_KNOTS, knot_count)
-    return Curve(
-        kind,
-        degree=degree,
-        poles=poles,
-        knots=np.ascontiguousarray(knots["knot"]),
-        multiplicities=np.ascontiguousarray(knots["multiplicity"]),
-        periodic=periodic,
-        rational=rational,
-    )
+@dataclass
+class _Scan:
+    """Where the records of the shapes start: sub-shape references, faces, edges, edges' representations; by shape
+    index how many references and representations lie before it."""
+
+    kinds: list[int]
+    references: list[int]
+    reference_offsets: list[int]
+    faces: list[int]
+    edges: list[int]
+    representations: list[int]
+    representation_offsets: list[int]
+    end: int = 0
 
 
-def _conic(reader: _Reader, kind: str, dim: int) -> Curve:
-    """Conics store their frame (in 3-D with the normal between origin and X), then one or two sizes."""
-    origin = reader.reals(dim)
-    if dim == 3:
-        reader.at += 24
-    x, y = reader.reals(dim), reader.reals(dim)
-    first = reader.real()
-    if kind == "parabola":
-        return Curve(kind, origin, tuple(c / (4 * first) for c in x), y)
-    second = first if kind == "circle" else reader.real()
-    return Curve(kind, origin, tuple(first * c for c in x), tuple(second * c for c in y))
+_CURVE, _PCURVE, _SEAM, _CONTINUITY = 1, 2, 3, 4  # kinds of an edge's representations
+_REPRESENTATION_SIZES = (0, 25, 29, 34, 18)
+_POINT_SIZES = (0, 17, 21, 25)  # of a vertex's representations
 
 
-def _poles(reader: _Reader, shape: tuple[int, ...], dim: int, rational: bool) -> Array:
-    """Homogeneous poles, shape (*shape, dim + 1), with the last column 1 where there are no weights."""
-    width = dim + 1 if rational else dim
-    stored = reader.array("<f8", int(np.prod(shape)) * width).reshape(*shape, width)
-    poles = np.ones((*shape, dim + 1))
-    poles[..., :width] = stored
-    if rational:
-        poles[..., :dim] *= poles[..., dim:]
-    return poles
-
-
-_SURFACES = (
-    "",
-    "plane",
-    "cylinder",
-    "cone",
-    "sphere",
-    "torus",
-    "extrusion",
-    "revolution",
-    "bezier",
-    "bspline",
-    "trimmed",
-    "offset",
-)
-
-
-def _surface(reader: _Reader) -> Surface:
-    kind = _SURFACES[reader.byte()]
-    if kind in ("plane", "cylinder", "cone", "sphere", "torus"):
-        n = reader.reals(12)
-        radii = (0.0, 0.0)
-        if kind in ("cone", "torus"):
-            radii = (reader.real(), reader.real())
-        elif kind != "plane":
-            radii = (reader.real(), 0.0)
-        return Surface(kind, n[:3], n[6:9], n[9:12], n[3:6], radii)
-    if kind == "extrusion":
-        direction = reader.reals(3)
-        return Surface(kind, z=direction, curve=_curve(reader, 3))
-    if kind == "revolution":
-        origin, direction = reader.reals(3), reader.reals(3)
-        return Surface(kind, origin, z=direction, curve=_curve(reader, 3))
-    if kind == "trimmed":
-        bounds = reader.reals(4)
-        basis = _surface(reader)
-        basis.bounds = (bounds[0], bounds[1], bounds[2], bounds[3])
-        return basis
-    if kind == "offset":
-        offset = reader.real()
-        return Surface(kind, basis=_surface(reader), offset=offset)
-    rational = bool(reader.byte() | reader.byte())
-    if kind == "bezier":
-        du, dv = reader.short(), reader.short()
-        poles = _poles(reader, (du + 1, dv + 1), 3, rational)
-        return Surface(kind, degrees=(du, dv), poles=poles, rational=rational)
-    periodic = (bool(reader.byte()), bool(reader.byte()))
-    degrees = (reader.short(), reader.short())
-    nu, nv, ku, kv = (reader.integer() for _ in range(4))
-    poles = _poles(reader, (nu, nv), 3, rational)
-    u, v = reader.array(_KNOTS, ku), reader.array(_KNOTS, kv)
-    knots = (np.ascontiguousarray(u["knot"]), np.ascontiguousarray(v["knot"]))
-    multiplicities = (np.ascontiguousarray(u["multiplicity"]), np.ascontiguousarray(v["multiplicity"]))
-    return Surface(
-        kind,
-        degrees=degrees,
-        poles=poles,
-        knots=knots,
-        multiplicities=multiplicities,
-        periodic=periodic,
-        rational=rational,
-    )
-
-
-def _triangulation(reader: _Reader) -> tuple[Array, NDArray[np.int32]]:
-    nodes, triangles = reader.integer(), reader.integer()
-    has_uv, has_normals = reader.byte(), reader.byte()
-    reader.real()  # deflection
-    points = reader.array("<f8", 3 * nodes).reshape(nodes, 3)
-    reader.at += 16 * nodes if has_uv else 0
-    corners = reader.array("<i4", 3 * triangles).reshape(triangles, 3) - 1
-    reader.at += 12 * nodes if has_normals else 0
-    return points, corners
-
-
-def _reference(reader: _Reader, count: int) -> tuple[int, int, int] | None:
-    """(orientation, shape, location), or None at the '*' that ends a list of sub-shapes."""
-    if reader.data[reader.at] == 42:
-        reader.at += 1
-        return None
-    orientation, backwards, location = _REFERENCE.unpack_from(reader.data, reader.at)
-    reader.at += 9
-    return orientation, count - backwards, location
-
-
-def _shapes(reader: _Reader) -> tuple[list[int], list[Any], list[list[tuple[int, int, int]]]]:
-    kinds, shapes = [-1], [None]
-    children: list[list[tuple[int, int, int]]] = [[]]
-    count = reader.header(b"TShapes") + 1
-    for _ in range(count - 1):
-        kind = reader.byte()
-        record: Any = None
-        if kind == VERTEX:
-            _skip_vertex(reader)
-        elif kind == EDGE:
-            record = _edge(reader)
-        elif kind == FACE:
-            reader.at += 9  # natural restriction flag, tolerance
-            surface, location = reader.integer(), reader.integer()
-            record = Face(surface, location, reader.integer() if reader.byte() == 2 else 0)
-        reader.at += 7  # flags: free, modified, checked, orientable, closed, infinite, convex
-        below = []
-        while (child := _reference(reader, count)) is not None:
-            below.append(child)
+def _scan_shapes(data: bytes, at: int, count: int) -> _Scan:
+    scan = _Scan([0], [], [0, 0], [], [], [], [0, 0])
+    kinds, references, reference_offsets = scan.kinds, scan.references, scan.reference_offsets
+    representations, representation_offsets = scan.representations, scan.representation_offsets
+    for _ in range(count):
+        kind = data[at]
         kinds.append(kind)
-        shapes.append(record)
-        children.append(below)
-    return kinds, shapes, children
-
-
-def _skip_vertex(reader: _Reader) -> None:
-    reader.at += 32  # tolerance, point
-    while kind := reader.byte():
-        reader.at += (0, 16, 20, 24)[kind]
-
-
-def _edge(reader: _Reader) -> Edge:
-    tolerance = reader.real()
-    degenerated = bool(reader.data[reader.at + 2])
-    reader.at += 3  # same parameter, same range, degenerated
-    edge = Edge(tolerance, degenerated, None, [])
-    while kind := reader.byte():
-        if kind == 1:
-            curve, location = reader.integer(), reader.integer()
-            edge.curve = (curve, location, reader.real(), reader.real())
-        elif kind in (2, 3):
-            curve, second = reader.integer(), 0
-            if kind == 3:
-                second = reader.integer()
-                reader.at += 1  # continuity
-            surface, location = reader.integer(), reader.integer()
-            edge.pcurves.append(PCurve(surface, location, curve, second, reader.real(), reader.real()))
-        elif kind == 4:
-            reader.at += 17  # continuity across two surfaces
+        if kind == EDGE:
+            scan.edges.append(at + 1)
+            at += 12
+            while representation := data[at]:
+                representations.append(at)
+                at += _REPRESENTATION_SIZES[representation]
+            at += 1
+        elif kind == VERTEX:
+            at += 33  # tolerance, point
+            while point := data[at]:
+                at += _POINT_SIZES[point]
+            at += 1
+        elif kind == FACE:
+            scan.faces.append(at + 10)  # after natural restriction flag and tolerance
+            at += 23 if data[at + 18] == 2 else 19
         else:
-            raise InputError(f"OpenCascade's binary format has an unknown edge record {kind}")
-    return edge
+            at += 1
+        at += 7  # flags: free, modified, checked, orientable, closed, infinite, convex
+        while data[at] != 42:  # '*' ends the list
+            references.append(at)
+            at += 9
+        at += 1
+        reference_offsets.append(len(references))
+        representation_offsets.append(len(representations))
+    scan.end = at
+    return scan
+
+
+_REFERENCE = np.dtype([("orientation", "u1"), ("shape", "<i4"), ("location", "<i4")])
+_FACE = np.dtype([("surface", "<i4"), ("location", "<i4"), ("has", "u1"), ("triangulation", "<i4")])
+_EDGE = np.dtype([("tolerance", "<f8"), ("same_parameter", "u1"), ("same_range", "u1"), ("degenerated", "u1")])
+_RANGE = [("first", "<f8"), ("last", "<f8")]
+_PLACE = [("surface", "<i4"), ("location", "<i4"), *_RANGE]
+_REPRESENTATIONS = {
+    _CURVE: np.dtype([("kind", "u1"), ("curve", "<i4"), ("location", "<i4"), *_RANGE]),
+    _PCURVE: np.dtype([("kind", "u1"), ("curve", "<i4"), *_PLACE]),
+    _SEAM: np.dtype([("kind", "u1"), ("curve", "<i4"), ("second", "<i4"), ("continuity", "u1"), *_PLACE]),
+}
+
+
+def _references(data: bytes, scan: _Scan) -> References:
+    records = gather(data, np.array(scan.references, np.intp), _REFERENCE)
+    shape = len(scan.kinds) - records["shape"].astype(np.intp)
+    return References(
+        np.array(scan.reference_offsets), records["orientation"], shape, records["location"].astype(np.intp)
+    )
+
+
+def _faces(data: bytes, scan: _Scan) -> Faces:
+    which = np.flatnonzero(np.array(scan.kinds) == FACE)
+    records = gather(data, np.array(scan.faces, np.intp), _FACE)
+    columns = np.zeros((3, len(scan.kinds)), np.intp)
+    for column, name in zip(columns, ("surface", "location", "triangulation"), strict=True):
+        column[which] = records[name]
+    columns[2][which[records["has"] != 2]] = 0
+    return Faces(*columns)
+
+
+def _edges(data: bytes, scan: _Scan) -> tuple[Edges, PCurves]:
+    count = len(scan.kinds)
+    at = np.array(scan.representations, np.intp)
+    kinds = np.frombuffer(data, np.uint8)[at]
+    offsets = np.array(scan.representation_offsets)
+    owner = np.repeat(np.arange(count), np.diff(offsets))
+
+    is_edge = np.array(scan.kinds) == EDGE
+    records = gather(data, np.array(scan.edges, np.intp), _EDGE)
+    edges = Edges(np.zeros(count), np.zeros(count, bool), *np.zeros((2, count), np.intp), *np.zeros((2, count)))
+    edges.tolerance[is_edge], edges.degenerated[is_edge] = records["tolerance"], records["degenerated"] != 0
+    is_curve = kinds == _CURVE
+    records = gather(data, at[is_curve], _REPRESENTATIONS[_CURVE])
+    for name in ("curve", "location", "first", "last"):
+        getattr(edges, name)[owner[is_curve]] = records[name]
+
+    on_surface = (kinds == _PCURVE) | (kinds == _SEAM)
+    at, kinds = at[on_surface], kinds[on_surface]
+    before = np.append(0, np.cumsum(on_surface))
+    pcurves = PCurves(before[offsets], *np.zeros((4, len(at)), np.intp), *np.zeros((2, len(at))))
+    for kind in (_PCURVE, _SEAM):
+        records = gather(data, at[kinds == kind], _REPRESENTATIONS[kind])
+        for name in records.dtype.names or ():
+            if name not in ("kind", "continuity"):
+                getattr(pcurves, name)[kinds == kind] = records[name]
+    return edges, pcurves

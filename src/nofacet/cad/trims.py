@@ -1,4 +1,4 @@
-"""A face's wires to trim loops of rational Bezier segments in its own (u, v).
+"""Faces' wires to trim loops of rational Bezier segments in their own (u, v), all faces together.
 
 Trimming follows the curves that the file gives in (u, v) ("pcurves"), wherever the 3-D edge may run. Planes mostly
 have none: there the 3-D curve is projected by the plane's frame, which is exact for every kind of curve.
@@ -6,219 +6,220 @@ have none: there the 3-D curve is projected by the plane's frame, which is exact
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import isfinite, pi
+from collections import defaultdict
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .corners import weld
-from .curves import Piece, pieces, projected, spline_pieces
+from .chains import Stretch, chain_face
+from .corners import WIDEST, weld
+from .edges import EdgeUses, Segments, edge_uses, segments
 from .loops import (
-    Box,
-    Loop,
+    Joints,
+    Loops,
+    Ordered,
     ParameterSpace,
-    Use,
-    bounding_box,
-    chain,
-    close_winding,
-    is_rectangle,
-    reverse,
-    winding,
+    Runs,
+    as_list,
+    as_runs,
+    bounding_boxes,
+    from_lists,
+    joints,
+    merged,
+    order_uses,
+    rectangles,
+    runs,
+    welded,
+    without,
 )
-from .stream import FORWARD, REVERSED, Curve, Edge, Face, Location, PCurve, Stream, Surface, multiply
-from .surfaces import INFINITE, natural_bounds, periods
+from .stream import Stream
+from .surfaces import INFINITE, collapsed, natural_bounds, periods
+from .tables import Index
 
+Array = NDArray[np.float64]
 
-class MissingPCurve(ValueError):
-    """An edge on a curved surface has no curve in (u, v); one has to be built before the face can be trimmed."""
-
-
-@dataclass(frozen=True)
-class Trim:
-    """A face's loops (closed bitwise), their box, and whether patches cut to the box need no loops at all."""
-
-    loops: list[Loop]
-    box: Box
-    whole: bool
+# Gaps narrower than this part of the box get a straight link: no picture shows them, and where curves all but touch,
+# the corner would be rounding.
+_NARROWEST = 1e-7
+_WIDE = 1e-3  # gap in a loop, in parts of its wire's extent, that may be the place of a period
 
 
 @dataclass(frozen=True)
-class _EdgeUse:
-    edge: int
-    reversed: bool
-    location: Location
+class Trims:
+    """The trims of F faces. loops: closed bitwise; boxes: (F, 4) u0, u1, v0, v1 of the loops; whole: (F,), whether
+    patches cut to the box need no loops at all; problems: by face, why it cannot be trimmed; incomplete: faces that
+    lack a curve in (u, v), which has to be built before they can be trimmed."""
+
+    loops: Loops
+    boxes: Array
+    whole: NDArray[np.bool_]
+    problems: dict[int, str]
+    incomplete: list[int]
 
 
-@dataclass
-class Trimmer:
-    """Makes trims from a stream. edge_index numbers distinct edges in the order of their first use."""
-
-    stream: Stream
-    edge_index: dict[int, int] = field(default_factory=dict)
-
-    def trim(self, shape: int) -> Trim:
-        """The trim of face `shape` (an index of stream.shapes) in its own coordinates.
-
-        Raises ValueError, with the reason, where the face cannot be trimmed: MissingPCurve or a face without end.
-        """
-        face: Face = self.stream.shapes[shape]
-        surface: Surface = self.stream.surfaces[face.surface]
-        bounds = natural_bounds(surface)
-        wires = self._wires(shape)
-        space = ParameterSpace(periods(surface), bounds, lambda axis, value: _collapsed(surface, axis, value))
-        seams = self._seams(face, wires)
-        closed: list[Loop] = []
-        winding_loops: list[Loop] = []
-        turns: list[tuple[int, int]] = []
-        for wire in wires:
-            uses = [use for edge_use in wire if (use := self._use(face, surface, edge_use, seams))]
-            for loop in chain(uses, space) if uses else []:
-                turn = winding(loop, space)
-                if turn == (0, 0):
-                    closed.append(loop)
-                else:
-                    winding_loops.append(loop)
-                    turns.append(turn)
-        if not closed and not winding_loops:
-            if not all(abs(bound) < INFINITE for bound in bounds):
-                raise ValueError("it has no edges, and its surface has no end")
-            return Trim([], bounds, True)
-        closed += close_winding(winding_loops, turns, space)
-        u0, u1, v0, v1 = bounding_box(closed)
-        if not all(map(isfinite, (u0, u1, v0, v1))) or max(map(abs, (u0, u1, v0, v1))) >= INFINITE:
-            raise ValueError("its edges have coordinates that are infinite or not numbers")
-        if not (u1 > u0 and v1 > v0):
-            raise ValueError("its edges enclose no area")
-        welded = [weld(loop, u1 - u0, v1 - v0, space) for loop in closed]
-        if any(len(loop) > len(other) for loop, other in zip(welded, closed, strict=True)):
-            u0, u1, v0, v1 = bounding_box(welded)  # edges led on to their corner can leave the box
-        closed = welded
-        box = (u0, u1, v0, v1)
-        return Trim(closed, box, is_rectangle(closed, box))
-
-    def _wires(self, shape: int) -> list[list[_EdgeUse]]:
-        """The edge uses of each wire on the face taken forward; internal and external ones bound nothing."""
-        children, kinds = self.stream.children, self.stream.kinds
-        wires = []
-        for wire_orientation, wire, wire_location in children[shape]:
-            if wire_orientation not in (FORWARD, REVERSED) or kinds[wire] != 5:
-                continue
-            wires.append(
-                [
-                    _EdgeUse(
-                        edge,
-                        orientation != wire_orientation,
-                        self._locate(wire_location, location),
-                    )
-                    for orientation, edge, location in children[wire]
-                    if orientation in (FORWARD, REVERSED)
-                ]
-            )
-        return wires
-
-    def _locate(self, outer: int, inner: int) -> Location:
-        if not outer and not inner:
-            return ()
-        return multiply(self.stream.locations[outer], self.stream.locations[inner])
-
-    def _seams(self, face: Face, wires: list[list[_EdgeUse]]) -> set[int]:
-        """Edges that the face uses twice as the two sides of a seam."""
-        seen: set[int] = set()
-        seams: set[int] = set()
-        for wire in wires:
-            for use in wire:
-                if use.edge in seen:
-                    record = self.stream.shapes[use.edge]
-                    if any(p.second and p.surface == face.surface for p in record.pcurves):
-                        seams.add(use.edge)
-                seen.add(use.edge)
-        return seams
-
-    def _use(self, face: Face, surface: Surface, use: _EdgeUse, seams: set[int]) -> Use:
-        """The segments of one edge use, in its own direction; empty for a degenerate edge that has no curve."""
-        edge: Edge = self.stream.shapes[use.edge]
-        pcurve = self._pcurve(face, edge, use.location)
-        if pcurve is not None:
-            index = pcurve.second if use.reversed and pcurve.second else pcurve.curve
-            segments = _segments(self.stream.curves2d[index], pcurve.first, pcurve.last)
-        elif surface.kind == "plane" and edge.curve is not None:
-            segments = self._projected(face, surface, edge, use.location)
-        elif edge.degenerated:
-            return []
-        else:
-            raise MissingPCurve("an edge has no curve in the surface's parameters")
-        number = -1
-        if not edge.degenerated and use.edge not in seams:
-            number = self.edge_index.setdefault(use.edge, len(self.edge_index))
-        result: Use = [(points, number) for points in segments]
-        return reverse(result) if use.reversed else result
-
-    def _pcurve(self, face: Face, edge: Edge, location: Location) -> PCurve | None:
-        """The edge's curve on this face's surface at this place, as BRep_Tool::CurveOnSurface matches it."""
-        for pcurve in edge.pcurves:
-            if pcurve.surface == face.surface:
-                if not location and pcurve.location == face.location:
-                    return pcurve
-                locations = self.stream.locations
-                if multiply(location, locations[pcurve.location]) == locations[face.location]:
-                    return pcurve
-        return None
-
-    def _projected(self, face: Face, surface: Surface, edge: Edge, location: Location) -> list[Piece]:
-        """The 3-D curve in the plane's (u, v): inverse frame, after the edge's placement relative to the face."""
-        assert edge.curve is not None
-        index, curve_location, first, last = edge.curve
-        axes = (surface.x, surface.y)
-        rows = [[*axis, -sum(a * o for a, o in zip(axis, surface.origin, strict=True))] for axis in axes]
-        locations = self.stream.locations
-        placed = multiply(location, locations[curve_location]) if location else locations[curve_location]
-        if placed != locations[face.location]:
-            inverse = np.linalg.inv(self.stream.matrices[face.location])
-            rows = (np.array(rows) @ inverse @ matrix_of(self.stream, placed)).tolist()
-        curve = self.stream.curves[index]
-        if curve.kind != "offset":
-            return _segments(projected(curve, rows), first, last)
-        points = np.array(pieces(curve, first, last)[0])
-        flat = np.concatenate([points @ np.array(rows).T, points[..., 3:]], axis=-1)
-        return [list(map(tuple, piece)) for piece in flat.tolist()]
+@np.errstate(all="ignore")  # numbers that are none end up in the boxes, where they are looked for
+def trim(stream: Stream, faces: Index) -> Trims:
+    """The trims of faces (shape indices (F,), all with a surface) in their own coordinates."""
+    uses, incomplete = edge_uses(stream, faces)
+    curves, order, problems = _runs(stream, faces, uses)
+    boxes = bounding_boxes(order, curves, len(faces))
+    empty = ~((boxes[:, 1] > boxes[:, 0]) & (boxes[:, 3] > boxes[:, 2]))
+    endless = ~(np.abs(boxes).max(axis=1) < INFINITE)
+    has_loops = np.zeros(len(faces), bool)
+    has_loops[order.face] = True
+    for k in np.flatnonzero(has_loops & (empty | endless)).tolist():
+        problems[k] = (
+            "its edges have coordinates that are infinite or not numbers" if endless[k] else "its edges enclose no area"
+        )
+    bare = ~has_loops
+    bare[[*problems, *incomplete]] = False
+    for k in np.flatnonzero(bare).tolist():
+        boxes[k] = natural_bounds(stream.surfaces[int(stream.faces.surface[faces[k]])])
+        if not np.abs(boxes[k]).max() < INFINITE:
+            problems[k] = "it has no edges, and its surface has no end"
+    gaps = joints(order, boxes)
+    loops = welded(order, curves, gaps)
+    if problems:
+        loops = without(loops, np.array(list(problems)))
+    loops = _with_corners(stream, faces, loops, boxes, order, curves, gaps)
+    return Trims(loops, boxes, bare | rectangles(loops, boxes), problems, incomplete.tolist())
 
 
-def matrix_of(stream: Stream, location: Location) -> NDArray[np.float64]:
-    """The (4, 4) matrix of a datum chain, the first pair being the rightmost factor."""
-    matrix = np.eye(4)
-    for datum, power in location:
-        matrix = np.linalg.matrix_power(stream.matrices[datum], power) @ matrix
-    return matrix
+def _with_corners(
+    stream: Stream, faces: Index, loops: Loops, boxes: Array, order: Runs, curves: Segments, gaps: Joints
+) -> Loops:
+    """The loops with those gaps that are corners closed as such; the boxes of their faces are brought up to date."""
+    loop_of_segment = np.repeat(np.arange(len(order.face)), np.diff(order.loop_offsets))
+    corners = gaps.is_open & ~gaps.small & (gaps.width >= _NARROWEST) & (gaps.width <= WIDEST)
+    changed = np.intersect1d(order.face[loop_of_segment[corners]], loops.face)
+    if not len(changed):
+        return loops
+    closed = []
+    for loop in np.flatnonzero(np.isin(order.face, changed)).tolist():
+        face = int(order.face[loop])
+        width, height = boxes[face, 1] - boxes[face, 0], boxes[face, 3] - boxes[face, 2]
+        space = _space(stream, int(stream.faces.surface[faces[face]]))
+        closed.append((face, weld(as_list(order, curves, loop), float(width), float(height), space)))
+    new = from_lists(closed)
+    boxes[changed] = bounding_boxes(*as_runs(new), len(faces))[changed]
+    return merged([without(loops, changed), new])
 
 
-def _segments(curve: Curve, first: float, last: float) -> list[Piece]:
-    """Rational Bezier segments (wu, wv, w) of a 2-D curve over [first, last], end weights 1."""
-    if curve.kind not in ("bezier", "bspline") or not curve.rational:
-        return pieces(curve, first, last)[0]
-    points, _ = spline_pieces(curve, first, last)
-    degree = points.shape[1] - 1
-    # a Moebius change of parameter makes both end weights 1 and leaves the curve as it is
-    start, ratio = points[:, :1, 2:], (points[:, :1, 2:] / points[:, -1:, 2:]) ** (1 / degree)
-    points = points * (ratio ** np.arange(degree + 1)[:, None] / start)
-    points[:, (0, -1)] /= points[:, (0, -1), 2:]
-    return [list(map(tuple, segment)) for segment in points.tolist()]
+def _runs(stream: Stream, faces: Index, uses: EdgeUses) -> tuple[Segments, Runs, dict[int, str]]:
+    """All segments, their order in loops, and the faces that cannot have loops, with the reason."""
+    curves = segments(stream, faces, uses)
+    first, last = curves.offsets[:-1], curves.offsets[1:] - 1
+    start = curves.points[curves.first_point[first], :2]
+    end = curves.points[curves.first_point[last] + curves.degree[last], :2]
+    start, end = np.where(uses.reversed[:, None], end, start), np.where(uses.reversed[:, None], start, end)
+    size = _extents(uses, curves)
+    ordered = order_uses(uses.wire, start, end, size)
+    difficult = _difficult(stream, faces, uses, ordered, start, end, size)
+    easy = ~np.isin(uses.face[ordered.use], difficult)
+    use, loop = ordered.use[easy], ordered.loop[easy]
+    face, shift = uses.face[use], np.zeros((len(use), 2))
+    problems: dict[int, str] = {}
+    if len(difficult):
+        rows, links, problems = _chained(stream, faces, uses, difficult, start, end, size)
+        curves = curves.with_links(links)
+        hard_face, hard_loop, hard_use, hard_shift = rows
+        face, loop = np.append(face, hard_face), np.append(loop, hard_loop)
+        use, shift = np.append(use, hard_use), np.concatenate([shift, hard_shift])
+        order = np.argsort(face, kind="stable")
+        face, loop, use, shift = face[order], loop[order], use[order], shift[order]
+    link_count = len(curves.offsets) - 1 - len(uses.face)
+    against = np.append(uses.reversed, np.zeros(link_count, bool))[use]
+    edge = np.append(_edge_numbers(stream, uses), np.full(link_count, -1))[use]
+    return curves, runs(curves, face, loop, use, against, shift, edge), problems
 
 
-def _collapsed(surface: Surface, axis: int, value: float) -> bool:
-    """Whether the surface is a single point where parameter `axis` has `value`: poles and tips of turned surfaces."""
-    if axis != 1:
-        return False
-    r1, r2 = surface.radii
-    if surface.kind == "sphere":
-        return abs(abs(value) - pi / 2) < 1e-6
-    if surface.kind == "cone":
-        return abs(r1 + value * np.sin(r2)) <= 1e-6 * (abs(r1) + abs(value))
-    if surface.kind == "torus":
-        return bool(abs(r1 + r2 * np.cos(value)) <= 1e-6 * r2)
-    if surface.kind == "revolution":
-        assert surface.curve is not None
-        point = np.array(pieces(surface.curve, value, value + 1e-9)[0][0][0])
-        spoke = point[:3] / point[3] - np.array(surface.origin)
-        return bool(np.linalg.norm(np.cross(spoke, surface.z)) <= 1e-6 * np.linalg.norm(spoke))
-    return False
+def _extents(uses: EdgeUses, curves: Segments) -> Array:
+    """For each use the extent (U, 2) of its wire, by the ends of the wire's segments; nowhere zero."""
+    ends = curves.points[np.stack([curves.first_point, curves.first_point + curves.degree]), :2]
+    wire = uses.wire
+    first = np.flatnonzero(np.append(True, wire[1:] != wire[:-1])[: len(wire)])
+    if not len(first):
+        return np.empty((0, 2))
+    runs = curves.offsets[first]
+    size = np.maximum.reduceat(ends.max(axis=0), runs) - np.minimum.reduceat(ends.min(axis=0), runs)
+    largest = size.max(axis=1, keepdims=True)
+    size = np.where(size > 0, size, np.where(largest > 0, largest, 1.0))
+    return np.repeat(size, np.diff(np.append(first, len(wire))), axis=0)
+
+
+def _difficult(
+    stream: Stream, faces: Index, uses: EdgeUses, ordered: Ordered, start: Array, end: Array, size: Array
+) -> Index:
+    """Faces with a wire whose order is not plain, or with a gap in a loop on a surface that has a period."""
+    unclear = np.unique(uses.face[np.isin(uses.wire, ordered.unclear)])
+    use, loop = ordered.use, ordered.loop
+    last = np.append(loop[1:] != loop[:-1], True)[: len(loop)]
+    following = np.arange(1, len(use) + 1)
+    following[last] = np.flatnonzero(np.append(True, last[:-1])[: len(loop)])
+    gap = (np.abs(end[use] - start[use[following]]) > _WIDE * size[use]).any(axis=1)
+    face = np.unique(uses.face[use[gap]])
+    return np.union1d(unclear, face[stream.surfaces.may_be_periodic(stream.faces.surface[faces[face]])])
+
+
+Rows = tuple[Index, Index, Index, Array]  # face, loop, use, shift
+
+
+def _chained(
+    stream: Stream, faces: Index, uses: EdgeUses, difficult: Index, start: Array, end: Array, size: Array
+) -> tuple[Rows, Array, dict[int, str]]:
+    """The difficult faces' loops as rows for assemble(); links (n, 2, 2), used as uses U, U + 1, ..; problems."""
+    problems: dict[int, str] = {}
+    spaces: dict[int, ParameterSpace] = {}
+    rows: list[tuple[int, int, int]] = []
+    shifts: list[tuple[float, float]] = []
+    links: list[tuple[tuple[float, float], tuple[float, float]]] = []
+    next_loop = len(uses.face)  # beyond the numbers of all plain loops
+    bounds = np.searchsorted(uses.face, np.stack([difficult, difficult + 1])).T.tolist()
+    for face, (low, high) in zip(difficult.tolist(), bounds, strict=True):
+        wires: dict[int, list[Stretch]] = defaultdict(list)
+        sizes: dict[int, tuple[float, float]] = {}
+        values = (column[low:high].tolist() for column in (uses.wire, start, end, size))
+        for use, (wire, begin, stop, extent) in enumerate(zip(*values, strict=True), low):
+            wires[wire].append(Stretch(use, tuple(begin), tuple(stop)))
+            sizes[wire] = tuple(extent)
+        surface = int(stream.faces.surface[faces[face]])
+        if surface not in spaces:
+            spaces[surface] = _space(stream, surface)
+        try:
+            loops = chain_face(list(wires.values()), list(sizes.values()), spaces[surface])
+        except ValueError as problem:
+            problems[face] = str(problem)
+            continue
+        for loop in loops:
+            for stretch in loop:
+                number = stretch.use if stretch.use >= 0 else len(uses.face) + len(links)
+                if stretch.use < 0:
+                    links.append((stretch.start, stretch.end))
+                rows.append((face, next_loop, number))
+                shifts.append(stretch.shift)
+            next_loop += 1
+    face_column, loop_column, use_column = np.array(rows, np.intp).reshape(-1, 3).T
+    return (
+        (face_column, loop_column, use_column, np.array(shifts).reshape(-1, 2)),
+        np.array(links).reshape(-1, 2, 2),
+        problems,
+    )
+
+
+def _space(stream: Stream, index: int) -> ParameterSpace:
+    surface = stream.surfaces[index]
+    return ParameterSpace(
+        periods(surface), natural_bounds(surface), lambda axis, value: collapsed(surface, axis, value)
+    )
+
+
+def _edge_numbers(stream: Stream, uses: EdgeUses) -> Index:
+    """Distinct edges (U,) counted in the order of their first use; -1 for seams and degenerate edges."""
+    drawn = np.flatnonzero(~uses.seam & ~stream.edges.degenerated[uses.edge])
+    _, first, which = np.unique(uses.edge[drawn], return_index=True, return_inverse=True)
+    number = np.empty(len(first), np.intp)
+    number[np.argsort(first)] = np.arange(len(first))
+    result = np.full(len(uses.face), -1, np.intp)
+    result[drawn] = number[which]
+    return result
