@@ -1,4 +1,4 @@
-"""Hard cases kept as data: patches whose exact area mathematics gives, and cameras that once went wrong on real files."""
+"""Hard cases as data: patches whose exact area mathematics gives, and cameras that once went wrong on real files."""
 
 import json
 from pathlib import Path
