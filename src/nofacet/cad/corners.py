@@ -23,8 +23,9 @@ Place = tuple[int, float]  # a segment of a run and a parameter of it
 Tail = list[tuple[int | None, Points]]  # segments with their places in a run; None: the tangent beyond its end
 Corner = tuple[Vector, Place | None, Place | None]  # the point, and where the two runs are cut if they are
 
-# Gaps beyond this part of the box are missing edges, not corners.
-WIDEST = 0.1
+# Gaps below this part of the box stay straight: no picture shows them, and where curves all but touch, their crossing
+# would be rounding. Gaps beyond the other part are missing edges, not corners.
+NARROWEST, WIDEST = 1e-7, 0.1
 # A corner lies within this many gap widths of both ends: where the edges themselves cross, and where tangents do.
 CROSSING_REACH = 30.0
 REACH = 2.0
@@ -122,7 +123,7 @@ def _joined(
     end, start = before[-1][0][-1], other[-1][0][-1]
     gap = _Gap((end, start), scale)
     along_pole = any(space.collapsed(axis, point[axis]) for axis in (0, 1) for point in gap.ends)
-    corner = None if along_pole or gap.width > WIDEST else _corner(before, other, gap)
+    corner = None if along_pole or not NARROWEST <= gap.width <= WIDEST else _corner(before, other, gap)
     if corner is None:
         return before, [([end, start], -1)], after
     point, one, two = corner

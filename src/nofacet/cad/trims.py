@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .chains import Stretch, chain_face
-from .corners import WIDEST, weld
+from .corners import NARROWEST, WIDEST, weld
 from .edges import EdgeUses, Segments, edge_uses, segments
 from .loops import (
     Joints,
@@ -39,9 +39,6 @@ from .tables import Index
 
 Array = NDArray[np.float64]
 
-# Gaps narrower than this part of the box get a straight link: no picture shows them, and where curves all but touch,
-# the corner would be rounding.
-_NARROWEST = 1e-7
 _WIDE = 1e-3  # gap in a loop, in parts of its wire's extent, that may be the place of a period
 
 
@@ -91,7 +88,7 @@ def _with_corners(
 ) -> Loops:
     """The loops with those gaps that are corners closed as such; the boxes of their faces are brought up to date."""
     loop_of_segment = np.repeat(np.arange(len(order.face)), np.diff(order.loop_offsets))
-    corners = gaps.is_open & ~gaps.small & (gaps.width >= _NARROWEST) & (gaps.width <= WIDEST)
+    corners = gaps.is_open & ~gaps.small & (gaps.width >= NARROWEST) & (gaps.width <= WIDEST)
     changed = np.intersect1d(order.face[loop_of_segment[corners]], loops.face)
     if not len(changed):
         return loops
