@@ -355,27 +355,29 @@ def rectangles(loops: Loops, boxes: Array) -> NDArray[np.bool_]:
 def merged(tables: list[Loops]) -> Loops:
     """The loops of several tables as one, ordered by face."""
     face = np.concatenate([table.face for table in tables])
-    segment_sizes = np.concatenate([np.diff(table.segment_offsets) for table in tables])
-    loops_before = offsets_of(np.concatenate([np.diff(table.loop_offsets) for table in tables]))
-    points_before = offsets_of(segment_sizes)
+    return _chosen(tables, np.argsort(face, kind="stable"))
+
+
+def replaced(loops: Loops, new: Loops) -> Loops:
+    """The loops with those of the faces in `new` taken from there."""
+    face = np.append(loops.face, new.face)
     order = np.argsort(face, kind="stable")
-    _, segment = expand(loops_before, order)
-    _, point = expand(points_before, segment)
-    points = np.concatenate([table.points for table in tables])[point]
-    edge = np.concatenate([table.edge for table in tables])[segment]
-    loop_offsets = offsets_of(np.diff(loops_before)[order])
-    return Loops(face[order], loop_offsets, offsets_of(segment_sizes[segment]), points, edge)
+    kept = np.append(~np.isin(loops.face, new.face), np.full(len(new.face), True))
+    return _chosen([loops, new], order[kept[order]])
 
 
 def without(loops: Loops, faces: Index) -> Loops:
     """The loops of all faces but these."""
-    kept = np.flatnonzero(~np.isin(loops.face, faces))
-    _, segment = expand(loops.loop_offsets, kept)
-    _, point = expand(loops.segment_offsets, segment)
-    return Loops(
-        loops.face[kept],
-        offsets_of(np.diff(loops.loop_offsets)[kept]),
-        offsets_of(np.diff(loops.segment_offsets)[segment]),
-        loops.points[point],
-        loops.edge[segment],
-    )
+    return _chosen([loops], np.flatnonzero(~np.isin(loops.face, faces)))
+
+
+def _chosen(tables: list[Loops], which: Index) -> Loops:
+    """Some of the loops of tables, counted through, in the order given."""
+    face = np.concatenate([table.face for table in tables])[which]
+    sizes = np.concatenate([np.diff(table.segment_offsets) for table in tables])
+    loops = offsets_of(np.concatenate([np.diff(table.loop_offsets) for table in tables]))
+    _, segment = expand(loops, which)
+    _, point = expand(offsets_of(sizes), segment)
+    points = np.concatenate([table.points for table in tables]).take(point, axis=0)
+    edge = np.concatenate([table.edge for table in tables])[segment]
+    return Loops(face, offsets_of(np.diff(loops)[which]), offsets_of(sizes[segment]), points, edge)

@@ -26,9 +26,9 @@ from .loops import (
     bounding_boxes,
     from_lists,
     joints,
-    merged,
     order_uses,
     rectangles,
+    replaced,
     runs,
     welded,
     without,
@@ -93,14 +93,17 @@ def _with_corners(
     if not len(changed):
         return loops
     closed = []
+    spaces: dict[int, ParameterSpace] = {}
     for loop in np.flatnonzero(np.isin(order.face, changed)).tolist():
         face = int(order.face[loop])
         width, height = boxes[face, 1] - boxes[face, 0], boxes[face, 3] - boxes[face, 2]
-        space = _space(stream, int(stream.faces.surface[faces[face]]))
-        closed.append((face, weld(as_list(order, curves, loop), float(width), float(height), space)))
+        surface = int(stream.faces.surface[faces[face]])
+        if surface not in spaces:
+            spaces[surface] = _space(stream, surface)
+        closed.append((face, weld(as_list(order, curves, loop), float(width), float(height), spaces[surface])))
     new = from_lists(closed)
     boxes[changed] = bounding_boxes(*as_runs(new), len(faces))[changed]
-    return merged([without(loops, changed), new])
+    return replaced(loops, new)
 
 
 def _runs(stream: Stream, faces: Index, uses: EdgeUses) -> tuple[Segments, Runs, dict[int, str]]:
