@@ -175,6 +175,8 @@ def bezier_points(poles: Array, knots: Array, start: Array, stop: Array) -> Arra
 def _by_count(different: NDArray[np.bool_]) -> Iterator[tuple[int, Index]]:
     """The columns (blocks of their indices) of `different` (p, m) by how many entries are left from the first true one
     on, if there is one."""
+    if not different.any():
+        return
     counts = np.where(different.any(axis=0), len(different) - different.argmax(axis=0), 0)
     for count in np.flatnonzero(np.bincount(counts)).tolist():
         columns = np.flatnonzero((counts == count) & (count > 0))

@@ -10,6 +10,7 @@ each record starts; numpy then reads all records of one kind together. The forma
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import dataclass
 from struct import Struct
 from struct import error as StructError
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .locations import Location, Locations
 from .records import Curves, Index, Surfaces, gather, gather_reals, scan_curves, scan_surfaces
+from .tables import expand_runs, offsets_of
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -205,12 +207,12 @@ def _triangulation(data: bytes, at: int) -> tuple[tuple[Array, NDArray[np.int32]
 
 @dataclass
 class _Scan:
-    """Where the records of the shapes start: sub-shape references, faces, edges, edges' representations; by shape
-    index how many references and representations lie before it."""
+    """Where the records of the shapes start: faces, edges, edges' representations; by shape index how many of those lie
+    before it, and where its references to sub-shapes begin and end."""
 
     kinds: list[int]
     references: list[int]
-    reference_offsets: list[int]
+    reference_ends: list[int]
     faces: list[int]
     edges: list[int]
     representations: list[int]
@@ -221,11 +223,12 @@ class _Scan:
 _CURVE, _PCURVE, _SEAM, _CONTINUITY = 1, 2, 3, 4  # kinds of an edge's representations
 _REPRESENTATION_SIZES = (0, 25, 29, 34, 18)
 _POINT_SIZES = (0, 17, 21, 25)  # of a vertex's representations
+_REFERENCES = re.compile(rb"(?:[\x00-\x03].{8})*\*", re.DOTALL)  # orientation, shape, location; '*' ends the list
 
 
 def _scan_shapes(data: bytes, at: int, count: int) -> _Scan:
-    scan = _Scan([0], [], [0, 0], [], [], [], [0, 0])
-    kinds, references, reference_offsets = scan.kinds, scan.references, scan.reference_offsets
+    scan = _Scan([0], [0], [0], [], [], [], [0, 0])
+    kinds, references, reference_ends = scan.kinds, scan.references, scan.reference_ends
     representations, representation_offsets = scan.representations, scan.representation_offsets
     for _ in range(count):
         kind = data[at]
@@ -248,11 +251,12 @@ def _scan_shapes(data: bytes, at: int, count: int) -> _Scan:
         else:
             at += 1
         at += 7  # flags: free, modified, checked, orientable, closed, infinite, convex
-        while data[at] != 42:  # '*' ends the list
-            references.append(at)
-            at += 9
-        at += 1
-        reference_offsets.append(len(references))
+        references.append(at)
+        ending = _REFERENCES.match(data, at)
+        if ending is None:
+            raise InputError(f"OpenCascade's binary format has a shape of kind {kind} that cannot be read")
+        at = ending.end()
+        reference_ends.append(at - 1)
         representation_offsets.append(len(representations))
     scan.end = at
     return scan
@@ -271,11 +275,12 @@ _REPRESENTATIONS = {
 
 
 def _references(data: bytes, scan: _Scan) -> References:
-    records = gather(data, np.array(scan.references, np.intp), _REFERENCE)
+    start, size = np.array(scan.references), _REFERENCE.itemsize
+    counts = (np.array(scan.reference_ends) - start) // size
+    owner, place = expand_runs(np.zeros(len(counts), np.intp), counts)
+    records = gather(data, start[owner] + size * place, _REFERENCE)
     shape = len(scan.kinds) - records["shape"].astype(np.intp)
-    return References(
-        np.array(scan.reference_offsets), records["orientation"], shape, records["location"].astype(np.intp)
-    )
+    return References(offsets_of(counts), records["orientation"], shape, records["location"].astype(np.intp))
 
 
 def _faces(data: bytes, scan: _Scan) -> Faces:
