@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import nofacet
+from conftest import model_of, rectangle_group
 from nofacet.camera import Projection
 
 RESOLUTION = (160, 120)
@@ -124,3 +125,14 @@ def test_normal_at_a_pole_seen_head_on() -> None:
     camera = nofacet.Camera("orthographic", (0.0, 0.0, 50.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), view_height=12.0)
     frame = nofacet.render(model, camera, (121, 91), buffers=("normal",))
     assert np.abs(frame.normal[45, 60] - (0, 0, 1)).max() < 1e-6
+
+
+def test_loop_that_crosses_itself_shows_no_lobe() -> None:
+    """Where edges overshoot their corner the lobe beyond the crossing winds the other way round: it is outside."""
+    square = rectangle_group(np.array([[[0.0, 0, 0], [0, 4, 0]], [[4, 0, 0], [4, 4, 0]]]), (0, 4, 0, 4))
+    # The third corner of the square is a crossing at (3, 3); both edges run on to 3.5.
+    loop = np.array([[1.0, 1], [3, 1], [3, 3.5], [3.5, 3], [1, 3]])
+    model = model_of([square], {0: [loop]})
+    camera = nofacet.Camera("orthographic", (2.0, 2.0, 9.0), (2.0, 2.0, 0.0), (0.0, 1.0, 0.0), view_height=4.0)
+    coverage = nofacet.render(model, camera, (64, 64), samples=16, buffers=("coverage",)).coverage
+    assert coverage.sum(dtype=np.float64) * (4 / 64) ** 2 == pytest.approx(4.0, abs=1e-3)

@@ -61,7 +61,7 @@ class Model:
         segment_offsets[k + 1] - segment_offsets[k] - 1.
     segment_points: (M, 3) float64, homogeneous (wu, wv, w) with w > 0: rational Bezier segments in OpenCascade's
         (u, v) of the face. Neighbouring segments share their end point bitwise, loops are closed, ends have w = 1;
-        a point is inside by the even-odd rule over all loops of its definition.
+        a point is inside where they wind round it an odd and positive number of times (in their common sense).
     segment_edge: (S,) int32, index of the edge the segment runs along; -1: seam, degenerate edge or weld.
     conversion_error: (D,) float64, largest distance to OpenCascade's surface in model units; NaN: not measured.
 

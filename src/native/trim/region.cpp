@@ -47,6 +47,22 @@ Region::Region(const Model& model, std::size_t definition) {
     add_segment(model.segment_points + 3 * model.segment_offsets[k], degree);
   }
   fill_bins();
+  orientation_ = signed_area() < 0 ? -1 : 1;
+}
+
+// Of all loops together, positive if counterclockwise; by chords, so good for its sign.
+double Region::signed_area() const {
+  constexpr int kChords = 8;
+  double twice = 0.0;
+  for (const TrimArc& arc : arcs_) {
+    CurvePoint from = arc.at(arc.t0);
+    for (int k = 1; k <= kChords; ++k) {
+      const CurvePoint to = arc.at(arc.t0 + (arc.t1 - arc.t0) * k / kChords);
+      twice += (from.u - arcs_[0].u0) * (to.v - arcs_[0].v0) - (to.u - arcs_[0].u0) * (from.v - arcs_[0].v0);
+      from = to;
+    }
+  }
+  return 0.5 * twice;
 }
 
 void Region::add_segment(const double* points, int degree) {
@@ -97,7 +113,7 @@ void Region::fill_bins() {
 
 bool Region::contains(double u, double v) const {
   if (bins_ == 0 || v < v_min_ || v > v_max_) return false;
-  bool inside = false;
+  int winding = 0;
   const int k = bin(v);
   for (int32_t index = bin_offsets_[k]; index < bin_offsets_[k + 1]; ++index) {
     const TrimArc& arc = arcs_[bin_arcs_[index]];
@@ -105,9 +121,10 @@ bool Region::contains(double u, double v) const {
     if (v < v_range.lo || v >= v_range.hi) continue;  // half-open: a joint is counted once
     const Interval u_range = arc.u_range();
     if (u < u_range.lo) continue;
-    inside ^= u >= u_range.hi || arc.at(arc.parameter_at_v(v)).u <= u;
+    const bool left = u >= u_range.hi || arc.at(arc.parameter_at_v(v)).u <= u;
+    if (left) winding += arc.v1 < arc.v0 ? orientation_ : -orientation_;
   }
-  return inside;
+  return winding > 0 && winding % 2 == 1;
 }
 
 }  // namespace nofacet

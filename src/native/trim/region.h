@@ -1,4 +1,8 @@
-// A face definition's trim region: is (u, v) inside its loops (even-odd rule), and which arcs run through a box?
+// A face definition's trim region: is (u, v) inside its loops, and which arcs run through a box?
+//
+// Inside is where the loops wind an odd and positive number of times, in the orientation of all of them together. On
+// sound loops this is the even-odd rule; where edges overshoot a corner or cross near a pole, the lobe beyond the
+// crossing winds the other way round and is outside.
 #pragma once
 #include <vector>
 
@@ -21,8 +25,10 @@ class Region {
   std::vector<int32_t> bin_offsets_, bin_arcs_;
   double v_min_ = 0.0, v_max_ = 0.0, bins_per_v_ = 0.0;
   int bins_ = 0;
+  int orientation_ = 1;
 
   void add_segment(const double* points, int degree);
+  double signed_area() const;
   void fill_bins();
   int bin(double v) const;
 };
