@@ -39,6 +39,7 @@ from OCP.Geom import (
     Geom_SurfaceOfRevolution,
     Geom_ToroidalSurface,
 )
+from OCP.GeomAPI import GeomAPI_PointsToBSplineSurface
 from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt, gp_Trsf
 from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
@@ -274,3 +275,17 @@ def test_bezier_pieces_of_a_bspline_are_the_bspline(data: st.DataObject) -> None
             while len(level) > 1:
                 level = (1 - s) * level[:-1] + s * level[1:]
             np.testing.assert_allclose(level[0], de_boor(degree, flat, poles, a + s * (b - a)), atol=1e-9, rtol=1e-9)
+
+
+def test_offset_that_cannot_be_approximated_well_is_named() -> None:
+    """An offset beyond the radius of curvature folds back on itself; no spline of the promised quality follows it."""
+    points = TColgp_Array2OfPnt(1, 9, 1, 9)
+    for i in range(9):
+        for j in range(9):
+            points.SetValue(i + 1, j + 1, gp_Pnt(i, j, 0.8 * (i % 3) * (j % 2)))
+    wavy = GeomAPI_PointsToBSplineSurface(points).Surface()
+    face = BRepBuilderAPI_MakeFace(Geom_OffsetSurface(wavy, 2.0), 1e-7).Face()
+    model = convert(face, "made here")
+    assert model.conversion_error[0] > 1e-8
+    assert len(model.warnings) == 1
+    assert model.warnings[0].startswith("face 0 (offset): its surface is approximated, and only to within ")

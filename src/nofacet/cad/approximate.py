@@ -19,10 +19,11 @@ TOLERANCE = 1e-10  # wanted distance, in parts of the face's size
 CHECKED = 41  # the distance is measured at CHECKED x CHECKED parameters
 
 
-def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surfaces, float]:
-    """A B-spline for the surface of face `index` over box, at the same parameters, and the largest distance found.
+def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surfaces, float, float]:
+    """A B-spline for the surface of face `index` over box, at the same parameters.
 
-    The B-spline is the result's surface 1.
+    Also the largest distance found between the two, and the size of the face (its box's longest side). The B-spline is
+    the result's surface 1.
 
     Raises ValueError where OpenCascade finds none.
     """
@@ -48,7 +49,7 @@ def approximate(shape: TopoDS_Shape, index: int, box: Box) -> tuple[Surfaces, fl
     except Exception as failure:  # OCP's exceptions share no narrower base
         raise ValueError(f"OpenCascade cannot approximate its surface ({type(failure).__name__})") from failure
     error = float(np.linalg.norm(_sample(spline, box) - exact, axis=-1).max())
-    return brep.read(face).surfaces, error
+    return brep.read(face).surfaces, error, size
 
 
 def face_of(shape: TopoDS_Shape, index: int) -> TopoDS_Face:

@@ -87,6 +87,9 @@ def _composed(outer: int, inner: int) -> int:
     return inner if outer != REVERSED or inner in (INTERNAL, EXTERNAL) else 1 - inner
 
 
+WANTED = 1e-9  # of a face's size: an approximated surface that misses this is named in a warning
+
+
 class _Conversion:
     """The face definitions (D,) in the order of their first placed faces, and what they come to."""
 
@@ -100,6 +103,7 @@ class _Conversion:
         self.errors = np.full(len(definitions), np.nan)
         self.trimmed = np.zeros(len(definitions), np.uint8)
         self.problems: dict[int, str] = {}
+        self.inexact: dict[int, str] = {}
         self.surface = stream.faces.surface[definitions]
         kinds = stream.surfaces.kind[self.surface].tolist()
         self.surface_type = [SURFACES[kind] or "triangles" for kind in kinds]
@@ -156,11 +160,14 @@ class _Conversion:
         from .approximate import approximate
 
         try:
-            surfaces, self.errors[definition] = approximate(self.shape, int(self.first_face[definition]), tuple(box))
+            surfaces, error, size = approximate(self.shape, int(self.first_face[definition]), tuple(box))
         except ValueError as problem:
             self._fail(definition, str(problem))
             self._loops = [without(loops, own) for loops in self._loops]
             return
+        self.errors[definition] = error
+        if error > WANTED * size:
+            self.inexact[definition] = f"its surface is approximated, and only to within {error:.1e} mm"
         self.builder.add(own, surfaces, np.array([1]), boxes)
 
     def _add_triangles(self, own: Index) -> None:
@@ -193,11 +200,13 @@ class _Conversion:
             )
 
     def warnings(self, faces: list[PlacedFace]) -> list[str]:
-        """One line for each definition that is not drawn, and one for all triangles."""
+        """A line for each definition that is not drawn, or not as exactly as promised, and one for all triangles."""
         result = []
         for definition, problem in sorted(self.problems.items()):
             kind = "" if self.surface_type[definition] == "triangles" else f" ({self.surface_type[definition]})"
             result.append(f"face {self.first_face[definition]}{kind} is not drawn: {problem}")
+        for definition, problem in sorted(self.inexact.items()):
+            result.append(f"face {self.first_face[definition]} ({self.surface_type[definition]}): {problem}")
         drawn_shapes = self.definitions[(self.surface == 0) & (self.trimmed == 1)]
         has_triangles = drawn_shapes[self.stream.faces.triangulation[drawn_shapes] > 0]
         drawn = np.isin([face.shape for face in faces], has_triangles).sum()
