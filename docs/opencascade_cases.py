@@ -104,6 +104,17 @@ def throwing_ray(path: Path, origin: tuple[float, float, float], direction: tupl
             print(f"{path.name}, ray from x = {x}: {type(failure).__name__}")
 
 
+def leak(path: Path, index: int, points: list[tuple[float, float]]) -> None:
+    """Points far outside a face that one classifier calls inside."""
+    faces = TopTools_IndexedMapOfShape()
+    TopExp.MapShapes_s(read(path), TopAbs_FACE, faces)
+    face = TopoDS.Face_s(faces.FindKey(index + 1))
+    for u, v in points:
+        one = BRepClass_FaceClassifier(face, gp_Pnt2d(u, v), 1e-9).State()
+        other = BRepTopAdaptor_FClass2d(face, 1e-9).Perform(gp_Pnt2d(u, v))
+        print(f"face {index}, ({u}, {v}): BRepClass_FaceClassifier {one}, BRepTopAdaptor_FClass2d {other}")
+
+
 def main() -> None:
     models = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[2] / "shared" / "models"
     degree_25()
@@ -118,6 +129,7 @@ def main() -> None:
     for index, box in boxes.items():
         classifiers(faces, index, box)
         outline(TopoDS.Face_s(faces.FindKey(index + 1)))
+    leak(models / "parts" / "RJ24.stp", 7, [(-5.0, -1.3), (-100.0, -10.0)])
     throwing_ray(
         models / "probe" / "ap203_near_degenerate_nurbs_pole.stp",
         (1043.9101807126312, 2483.6069774343578, -1455.8945095941976),
