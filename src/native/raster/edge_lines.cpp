@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "bezier/bernstein.h"
 #include "parallel.h"
@@ -132,6 +133,20 @@ double depth_slope(const Frame& frame, int x, int y) {
   return step(x > 0, x + 1 < frame.width, 1) + step(y > 0, y + 1 < frame.height, frame.width);
 }
 
+// Whether a line at this depth is seen at a pixel: it is before the surface there, or lies on it or on the surface of a
+// neighbour, within what these fall away inside a pixel. `flatness`: how far the chord may lie off its surface.
+bool shows(const Frame& frame, int x, int y, double line, double flatness) {
+  const auto slack = [&](int px, int py) { return 1.5 * depth_slope(frame, px, py) + flatness; };
+  const auto surface = [&](int px, int py) { return frame.depth[std::size_t(py) * frame.width + px]; };
+  if (std::isinf(surface(x, y)) || line <= surface(x, y) + slack(x, y)) return true;
+  for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+    const int px = x + dx, py = y + dy;
+    if (px < 0 || py < 0 || px >= frame.width || py >= frame.height || std::isinf(surface(px, py))) continue;
+    if (std::fabs(line - surface(px, py)) <= slack(px, py)) return true;
+  }
+  return false;
+}
+
 void draw_chord(const Chord& chord, const Camera& camera, const Frame& frame, int row0, int row1, float* opacity) {
   const LinePoint &p = chord.from, &q = chord.to;
   const double dx = q.x - p.x, dy = q.y - p.y, length2 = dx * dx + dy * dy, reach = kHalfWidth + 0.5;
@@ -147,10 +162,8 @@ void draw_chord(const Chord& chord, const Camera& camera, const Frame& frame, in
       const float strength = float(kOpacity * std::clamp(reach - distance, 0.0, 1.0));
       float& pixel = opacity[std::size_t(y - row0) * frame.width + x];
       if (strength <= pixel) continue;
-      // A line lies on its surface, which may fall away inside the pixel; the chord lies off it by its flatness.
-      const double surface = frame.depth[std::size_t(y) * frame.width + x], line = p.depth + t * (q.depth - p.depth);
-      const double slack = 1.5 * depth_slope(frame, x, y) + 2.0 * kFlatness / camera.pixels_at(line);
-      if (std::isinf(surface) || line <= surface + slack) pixel = strength;
+      const double line = p.depth + t * (q.depth - p.depth);
+      if (shows(frame, x, y, line, 2.0 * kFlatness / camera.pixels_at(line))) pixel = strength;
     }
   }
 }
