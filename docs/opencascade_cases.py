@@ -104,8 +104,8 @@ def throwing_ray(path: Path, origin: tuple[float, float, float], direction: tupl
             print(f"{path.name}, ray from x = {x}: {type(failure).__name__}")
 
 
-def leak(path: Path, index: int, points: list[tuple[float, float]]) -> None:
-    """Points far outside a face that one classifier calls inside."""
+def disagreement(path: Path, index: int, points: list[tuple[float, float]]) -> None:
+    """Points far from every edge of a face on which the two classifiers differ."""
     faces = TopTools_IndexedMapOfShape()
     TopExp.MapShapes_s(read(path), TopAbs_FACE, faces)
     face = TopoDS.Face_s(faces.FindKey(index + 1))
@@ -129,7 +129,8 @@ def main() -> None:
     for index, box in boxes.items():
         classifiers(faces, index, box)
         outline(TopoDS.Face_s(faces.FindKey(index + 1)))
-    leak(models / "parts" / "RJ24.stp", 7, [(-5.0, -1.3), (-100.0, -10.0)])
+    disagreement(models / "parts" / "SparkFun Arduino Pro Mini.step", 484, [(0.3303941713880292, -3.0383892537057977)])
+    disagreement(models / "parts" / "RJ24.stp", 7, [(-5.0, -1.3), (-100.0, -10.0)])
     throwing_ray(
         models / "probe" / "ap203_near_degenerate_nurbs_pole.stp",
         (1043.9101807126312, 2483.6069774343578, -1455.8945095941976),
