@@ -7,8 +7,7 @@ Far from the origin one more error cannot be avoided: coordinates of 1e6 are rou
 points and in the camera, and a point moved sideways by that much has a depth that differs by the surface's slope times
 as much. ROUNDING times the slope is allowed there; at the origin it would be 1e-15 and is not allowed.
 
-Not tested for area: horizontal straight edges. Coverage is exact along x and sampled along y, so the pixels along such
-an edge are all off alike, by up to 1 / (2 samples).
+Not tested for area: the torus from the side, whose hole's outline has cusps and so no closed form here.
 """
 
 from __future__ import annotations
@@ -187,7 +186,7 @@ def check_solid(name: str, kind: str, place: tuple[float, float, float], roundin
     frame = draw(model, *camera_for(kind, solid, centre, model))
     check_values(solid, centre, frame, rounding)
     check_parameters(shape, solid, centre, frame, rounding)
-    if kind != "side" or name == "sphere":  # a base edge-on is a horizontal edge; a torus' hole has cusps
+    if kind != "side" or name != "torus":  # a torus' hole has cusps from the side
         check_area(solid, centre, frame)
 
 

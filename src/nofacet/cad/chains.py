@@ -141,7 +141,7 @@ def winding(loop: list[Stretch], space: ParameterSpace) -> tuple[int, int]:
 def close_winding(
     loops: list[list[Stretch]], turns: list[tuple[int, int]], space: ParameterSpace
 ) -> list[list[Stretch]]:
-    """Closed loops from loops that run along a period, so that even-odd holds.
+    """Closed loops from loops that run along a period, so that they bound a region.
 
     Two loops of opposite winding follow each other: what lies between the two gaps, which become slanted links that are
     translates of each other by the period, is one period of the band between the loops. A loop left alone bounds a cap:
