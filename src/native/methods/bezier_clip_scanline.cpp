@@ -9,12 +9,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
+#include <numeric>
 
 #include "methods.h"
 #include "parallel.h"
+#include "raster/band.h"
 #include "raster/edge_lines.h"
 #include "raster/piece.h"
-#include "raster/row.h"
 
 namespace nofacet {
 namespace {
@@ -23,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr int kBandRows = 8;              // rows handed to a thread at a time
+constexpr int kBandRows = 32;              // rows handed to a thread at a time
 constexpr std::size_t kTaskPatches = 16;  // patches handed to a thread at a time
 
 // Projects and subdivides every patch; the pieces come out in the order of faces and patches, whatever the threads.
@@ -74,21 +76,25 @@ class Subdivision {
 std::vector<std::vector<const Piece*>> sort_into_bands(const std::vector<Piece>& pieces, int rows) {
   const int bands = (rows + kBandRows - 1) / kBandRows;
   std::vector<std::vector<const Piece*>> result(bands);
-  for (const Piece& piece : pieces) {
+  // Nearest first, so that most hidden pieces meet at once what hides them.
+  std::vector<const Piece*> order(pieces.size());
+  for (std::size_t k = 0; k < pieces.size(); ++k) order[k] = &pieces[k];
+  std::stable_sort(order.begin(), order.end(), [](const Piece* p, const Piece* q) { return p->key.lo < q->key.lo; });
+  for (const Piece* piece : order) {
     const int first =
-        std::clamp(int(std::floor(std::clamp(piece.y.lo, -1.0, rows + 1.0)) - 1) / kBandRows, 0, bands - 1);
+        std::clamp(int(std::floor(std::clamp(piece->y.lo, -1.0, rows + 1.0)) - 1) / kBandRows, 0, bands - 1);
     const int last =
-        std::clamp(int(std::floor(std::clamp(piece.y.hi, -1.0, rows + 1.0)) + 1) / kBandRows, 0, bands - 1);
-    for (int band = first; band <= last; ++band) result[band].push_back(&piece);
+        std::clamp(int(std::floor(std::clamp(piece->y.hi, -1.0, rows + 1.0)) + 1) / kBandRows, 0, bands - 1);
+    for (int band = first; band <= last; ++band) result[band].push_back(piece);
   }
   return result;
 }
 
 // Depths this close are the same surface: far above rounding, far below anything visible.
 double tie_tolerance(const std::vector<Piece>& pieces) {
-  Interval depth = Interval::empty();
-  for (const Piece& piece : pieces) depth.include(piece.depth.lo), depth.include(piece.depth.hi);
-  return pieces.empty() ? 0.0 : 1e-11 * depth.magnitude() + 1e-10 * depth.width();
+  Interval key = Interval::empty();
+  for (const Piece& piece : pieces) key.include(piece.key.lo), key.include(piece.key.hi);
+  return pieces.empty() ? 0.0 : 1e-11 * key.magnitude() + 1e-10 * key.width();
 }
 
 }  // namespace
@@ -108,12 +114,11 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
   stats.subdivide_seconds = seconds_since(start);
 
   start = Clock::now();
-  std::vector<RowPainter> painters;
-  painters.reserve(options.threads);
+  std::deque<BandPainter> painters;
   for (int k = 0; k < options.threads; ++k) painters.emplace_back(scene, camera, planes, tie, frame);
   parallel_for(bands.size(), options.threads, [&](std::size_t band, int thread) {
-    const int end = std::min(frame.height, int(band + 1) * kBandRows);
-    for (int row = int(band) * kBandRows; row < end; ++row) painters[thread].paint(row, bands[band]);
+    const int first = int(band) * kBandRows;
+    painters[thread].paint(first, std::min(frame.height, first + kBandRows), bands[band]);
   });
   stats.scan_seconds = seconds_since(start);
 

@@ -59,6 +59,38 @@ double space_length(const Net& net, bool a) {
   return longest;
 }
 
+// Whether no scan plane meets the border of control points first, first + stride, ... twice: the screen y of its
+// control points runs one way (variation diminishing property).
+bool monotone_border(const double* first, int degree, std::size_t stride) {
+  bool rises = true, falls = true;
+  double before = first[kY] / first[kW];
+  for (int k = 1; k <= degree; ++k) {
+    const double* p = first + k * stride;
+    const double y = p[kY] / p[kW];
+    rises &= y >= before;
+    falls &= y <= before;
+    before = y;
+  }
+  return rises || falls;
+}
+
+// The borders along the cut's parameter; the certificate has seen to the other two.
+bool monotone_borders(const Net& net, bool transposed) {
+  const std::size_t row = 4 * std::size_t(net.m + 1);
+  if (transposed) return monotone_border(net.at(0, 0), net.m, 4) && monotone_border(net.at(net.n, 0), net.m, 4);
+  return monotone_border(net.at(0, 0), net.n, row) && monotone_border(net.at(0, net.m), net.n, row);
+}
+
+// Weights that are all the same become 1: the renderer has shorter ways for polynomial patches.
+void normalize_weights(std::vector<double>& points) {
+  const double w = points[kW];
+  for (std::size_t k = 0; k < points.size(); k += 4) {
+    if (points[k + kW] != w) return;
+  }
+  if (w == 1.0 || !(w > 0.0)) return;
+  for (double& p : points) p /= w;
+}
+
 }  // namespace
 
 void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out) {
@@ -84,6 +116,7 @@ void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::ve
     world[3] = source[k + 3];
     camera_.project(world, projected.data() + k);
   }
+  normalize_weights(projected);
   net.points = projected.data();
 
   const Box whole{0.0, 1.0, 0.0, 1.0};
@@ -157,7 +190,7 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   if (certificate.kind != CutKind::uncertain) {
     describe(net, bounds, certificate, &piece);
     const bool small = bounds.x.f.width() <= kLargestPiece && y.width() <= kLargestPiece;
-    if (small || piece.linear || depth >= kMaxDepth) {
+    if (small || piece.planar || depth >= kMaxDepth) {
       emit(piece, net, box, arcs);
       return;
     }
@@ -206,16 +239,47 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   piece->y = bounds.y.f;
 
   const QuotientBounds y = piece->transposed ? transposed_bounds(bounds.y) : bounds.y;
-  QuotientBounds depth = camera_.perspective ? quotient_bounds(net, kW, kZ) : quotient_bounds(net, kZ, kW);
-  if (piece->transposed) depth = transposed_bounds(depth);
+  QuotientBounds key = quotient_bounds(net, kZ, kW);
+  if (piece->transposed) key = transposed_bounds(key);
   piece->rising = y.fb.positive();
-  piece->depth = depth.f;
-  piece->depth_slope = depth.fa - (y.fa / y.fb) * depth.fb;
-  bool constant_weight = !camera_.perspective;
-  for (std::size_t k = 0; k < net.size(); k += 4) constant_weight &= net.points[k + kW] == net.points[kW];
-  piece->linear = constant_weight && net.n == 1 && net.m == 1 &&
-                  std::max(bounds.x.fab.magnitude(), bounds.y.fab.magnitude()) < kNegligiblePixels &&
-                  depth.fab.magnitude() * camera_.scale < kNegligiblePixels;
+  piece->key = key.f;
+  piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
+  const auto remainder = [](const QuotientBounds& q) {
+    return 0.5 * (q.faa.magnitude() + 2.0 * q.fab.magnitude() + q.fbb.magnitude());
+  };
+  const double key_pixels = pixels_per_key(key.f);
+  piece->bend = std::max({remainder(bounds.x), remainder(bounds.y), remainder(key) * key_pixels});
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;
+  fit_key_plane(net, piece);
+  piece->planar = piece->key_plane.error * key_pixels < kNegligiblePixels;
+  piece->simple_borders = monotone_borders(net, piece->transposed);
+}
+
+// Pixels on the screen's scale that a unit of the key stands for, at most.
+double PieceBuilder::pixels_per_key(Interval key) const {
+  return camera_.perspective ? camera_.scale / key.mignitude() : camera_.scale;
+}
+
+// The plane through the mean directions of the net, with the hull's distance from it. If the piece is too curved, or
+// edge-on, a plane of constant key is better.
+void PieceBuilder::fit_key_plane(const Net& net, Piece* piece) const {
+  const auto at = [&](int i, int j, Component c) {
+    const double* p = net.at(i, j);
+    return p[c] / p[kW];
+  };
+  const auto mean_a = [&](Component c) { return at(net.n, 0, c) - at(0, 0, c) + at(net.n, net.m, c) - at(0, net.m, c); };
+  const auto mean_b = [&](Component c) { return at(0, net.m, c) - at(0, 0, c) + at(net.n, net.m, c) - at(net.n, 0, c); };
+  const double xa = mean_a(kX), ya = mean_a(kY), ka = mean_a(kZ), xb = mean_b(kX), yb = mean_b(kY), kb = mean_b(kZ);
+  const double determinant = xa * yb - xb * ya;
+  KeyPlane& plane = piece->key_plane;
+  plane = {piece->key.mid(), 0.0, 0.0, 0.5 * piece->key.width()};
+  const double by_x = (ka * yb - kb * ya) / determinant, by_y = (kb * xa - ka * xb) / determinant;
+  if (!std::isfinite(by_x) || !std::isfinite(by_y)) return;
+  Interval rest = Interval::empty();
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
+    rest.include((p[kZ] - by_x * p[kX] - by_y * p[kY]) / p[kW]);
+  }
+  if (0.5 * rest.width() < plane.error) plane = {rest.mid(), by_x, by_y, 0.5 * rest.width()};
 }
 
 void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs) {
@@ -230,8 +294,7 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   piece.patch = patch_;
   piece.face = face_;
   piece.s0 = box.s0, piece.s1 = box.s1, piece.t0 = box.t0, piece.t1 = box.t1;
-  if (piece.kind == CutKind::uncertain)
-    piece.depth = hull_range(net, camera_.perspective ? kW : kZ, camera_.perspective ? kZ : kW);
+  if (piece.kind == CutKind::uncertain) piece.key = hull_range(net, kZ, kW);
   if (arcs) {
     piece.region = region_;
     if (piece.kind != CutKind::uncertain) {

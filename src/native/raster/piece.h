@@ -31,6 +31,13 @@ struct TrimPortion {
   double y0, y1;
 };
 
+// key = at + by_x x + by_y y, to within +-error, all over a piece.
+struct KeyPlane {
+  double at = 0.0, by_x = 0.0, by_y = 0.0, error = 0.0;
+
+  double key(double x, double y) const { return at + by_x * x + by_y * y; }
+};
+
 struct Piece {
   Net net;  // a = the patch's s and b = its t, or the other way round if transposed
   const Scene::PatchRef* patch;
@@ -41,10 +48,14 @@ struct Piece {
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
   bool transposed;
   bool rising;           // Y - y W grows with b
-  bool linear;           // x and depth are linear along every cut
+  bool rational;         // the weights differ; else they are 1
+  bool planar;           // the key plane is exact: its error is below kNegligiblePixels
+  bool simple_borders;   // no scan plane meets one of the four borders twice
   CutKind kind;          // uncertain: as small as kNegligiblePixels, drawn as a point
-  Interval x, y, depth;  // pixels, pixels, model units
-  Interval depth_slope;  // d depth / da along a cut
+  Interval x, y, key;    // pixels, pixels, depth key (camera.h)
+  Interval key_slope;    // d key / da along a cut
+  KeyPlane key_plane;
+  double bend;           // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
 
   // The face's (u, v) at (a, b), and back.
   void face_from_local(double a, double b, double* u, double* v) const {
@@ -79,6 +90,8 @@ class PieceBuilder {
 
   void subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth);
   void split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a);
+  double pixels_per_key(Interval key) const;
+  void fit_key_plane(const Net& net, Piece* piece) const;
   void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Piece* piece) const;
   bool behind_or_outside(const Net& net) const;
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);

@@ -1,0 +1,243 @@
+#include "raster/band.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nofacet {
+namespace {
+
+// Length of the longest stretch of x that one of two planes covers and the other does not.
+double longest_difference(const std::vector<Interval>& p, const std::vector<Interval>& q) {
+  double longest = 0.0, x = 0.0;
+  bool in_p = false, in_q = false;
+  std::size_t k = 0, l = 0;  // next border of p and q: even index enters, odd leaves
+  const auto border = [](const std::vector<Interval>& list, std::size_t index) {
+    return index % 2 == 0 ? list[index / 2].lo : list[index / 2].hi;
+  };
+  while (k < 2 * p.size() || l < 2 * q.size()) {
+    const bool from_p = l >= 2 * q.size() || (k < 2 * p.size() && border(p, k) <= border(q, l));
+    const double next = from_p ? border(p, k) : border(q, l);
+    if (in_p != in_q) longest = std::max(longest, next - x);
+    x = next;
+    if (from_p) {
+      in_p = !in_p, ++k;
+    } else {
+      in_q = !in_q, ++l;
+    }
+  }
+  return longest;
+}
+
+}  // namespace
+
+BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, double tie,
+                         const Frame& frame)
+    : scene_(scene),
+      camera_(camera),
+      planes_(planes),
+      frame_(frame),
+      visibility_(camera.width, tie),
+      average_(scene, camera, frame, visibility_) {}
+
+void BandPainter::paint(int first_row, int end_row, const std::vector<const Piece*>& pieces) {
+  first_row_ = first_row, end_row_ = end_row;
+  lay_planes();
+  cut_pieces(pieces);
+  if (planes_.centre()) solve_values();
+  if (!frame_.color && !frame_.coverage) return;
+  for (int row = first_row; row < end_row; ++row) {
+    weigh_planes(row, pieces);
+    average_.average(row, planes_.centre() ? front(row) : row_lines_[1]->segments, weighted_);
+  }
+}
+
+// The band's planes from top to bottom: of each row the sample planes with the centre plane among them, and, where
+// level edges are located, the neighbouring rows' nearest.
+void BandPainter::lay_planes() {
+  plane_y_.clear();
+  const int samples = planes_.samples();
+  if (planes_.locates_level_edges()) plane_y_.push_back(planes_.sample_y(int64_t(first_row_) * samples - 1));
+  for (int row = first_row_; row < end_row_; ++row) {
+    for (int k = 0; k <= samples; ++k) {
+      if (planes_.centre() && !planes_.centre_is_sample() && k == samples / 2) plane_y_.push_back(planes_.centre_y(row));
+      if (k < samples) plane_y_.push_back(planes_.sample_y(int64_t(row) * samples + k));
+    }
+  }
+  if (planes_.locates_level_edges()) plane_y_.push_back(planes_.sample_y(int64_t(end_row_) * samples));
+  if (lines_.size() < plane_y_.size()) lines_.resize(plane_y_.size());
+  for (std::size_t k = 0; k < plane_y_.size(); ++k) lines_[k].clear(plane_y_[k]);
+}
+
+int BandPainter::planes_per_row() const {
+  return planes_.samples() + (planes_.centre() && !planes_.centre_is_sample() ? 1 : 0);
+}
+
+int BandPainter::centre_plane(int row) const {
+  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + planes_.samples() / 2;
+}
+
+// k from -1 (the last one of the row above) to `samples` (the first one of the row below).
+int BandPainter::sample_plane(int row, int k) const {
+  const int samples = planes_.samples();
+  if (k < 0) return sample_plane(row - 1, samples - 1);
+  if (k >= samples) return sample_plane(row + 1, 0);
+  const int after_centre = planes_per_row() > samples && k >= samples / 2 && row >= first_row_ && row < end_row_ ? 1 : 0;
+  if (row < first_row_) return 0;
+  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + k + after_centre;
+}
+
+void BandPainter::cut_pieces(const std::vector<const Piece*>& pieces) {
+  spans_.reuse();
+  order_ = 0;
+  for (const Piece* piece : pieces) {
+    const auto first = std::lower_bound(plane_y_.begin(), plane_y_.end(), piece->y.lo);
+    const auto last = std::upper_bound(first, plane_y_.end(), piece->y.hi);
+    if (first == last) continue;
+    const int from = int(first - plane_y_.begin()), count = int(last - first);
+    if (hidden(*piece, from, from + count)) continue;
+    made_.clear();
+    maker_.append(*piece, &*first, count, from, camera_.width, made_);
+    insert_spans(*piece, lines_.data());
+  }
+}
+
+// Whether the planes [first, last) show something nearer all over the piece.
+bool BandPainter::hidden(const Piece& piece, int first, int last) const {
+  const double x0 = std::max(piece.x.lo, 0.0), x1 = std::min(piece.x.hi, double(camera_.width));
+  for (int plane = first; plane < last; ++plane) {
+    if (!lines_[plane].hides(x0, x1, piece.key.lo - visibility_.tie())) return false;
+  }
+  return true;
+}
+
+// Hands the spans just made to their lines.
+void BandPainter::insert_spans(const Piece& piece, ScanLine* lines) {
+  if (made_.empty()) return;
+  ++order_;
+  Span* kept = spans_.take(made_.size());
+  std::copy(made_.begin(), made_.end(), kept);
+  const bool opaque = scene_.model.face_color[4 * std::size_t(piece.face) + 3] >= 1.0f;
+  for (Span *span = kept, *end = kept + made_.size(); span != end; ++span) {
+    span->order = order_ - 1;
+    ScanLine& line = lines[span->plane];
+    if (opaque) {
+      visibility_.insert(*span, line.segments);
+    } else {
+      line.transparent.push_back(span);
+    }
+  }
+}
+
+// What is visible at the row's centre plane, transparent or not.
+const std::vector<VisibleSegment>& BandPainter::front(int row) {
+  const ScanLine& line = lines_[centre_plane(row)];
+  if (line.transparent.empty()) return line.segments;
+  front_ = line.segments;
+  for (const Span* span : line.transparent) visibility_.insert(*span, front_);
+  return front_;
+}
+
+// Pixels are solved piece by piece, so that what a piece needs is at hand.
+void BandPainter::solve_values() {
+  jobs_.clear();
+  for (int row = first_row_; row < end_row_; ++row) collect_jobs(row);
+  job_starts_.assign(order_ + 1, 0);
+  for (const PixelJob& job : jobs_) ++job_starts_[job.span->order + 1];
+  for (int32_t k = 0; k < order_; ++k) job_starts_[k + 1] += job_starts_[k];
+  sorted_.resize(jobs_.size());
+  for (const PixelJob& job : jobs_) sorted_[job_starts_[job.span->order]++] = job;
+  failed_.clear();
+  for (std::size_t first = 0, last = 0; first < sorted_.size(); first = last) {
+    const Piece* piece = sorted_[first].span->piece;
+    while (last < sorted_.size() && sorted_[last].span->piece == piece) ++last;
+    solve_pixels(scene_, camera_, frame_, *piece, sorted_.data() + first, last - first, failed_);
+  }
+  for (const PixelJob& job : failed_) solve_hard_pixel(scene_, camera_, frame_, job);
+}
+
+void BandPainter::collect_jobs(int row) {
+  int next = 0;
+  for (const VisibleSegment& segment : front(row)) {
+    const int first = first_pixel(segment.x0, frame_.width), last = first_pixel(segment.x1, frame_.width);
+    if (first >= last) continue;
+    fill_background(row, next, first);
+    jobs_.push_back({segment.span, row, first, last});
+    next = last;
+  }
+  fill_background(row, next, frame_.width);
+}
+
+void BandPainter::fill_background(int row, int first, int last) const {
+  if (first >= last) return;
+  const std::size_t at = std::size_t(row) * frame_.width + first, count = last - first;
+  if (frame_.depth) std::fill_n(frame_.depth + at, count, INFINITY);
+  if (frame_.face) std::fill_n(frame_.face + at, count, -1);
+  if (frame_.color) std::fill_n(frame_.color + 4 * at, 4 * count, 0.0f);
+  if (frame_.uv) std::fill_n(frame_.uv + 2 * at, 2 * count, 0.0);
+  if (frame_.normal) std::fill_n(frame_.normal + 3 * at, 3 * count, 0.0f);
+}
+
+// The lines that the row is averaged over, each for the strip of the row that is nearest to it.
+void BandPainter::weigh_planes(int row, const std::vector<const Piece*>& pieces) {
+  const int samples = planes_.samples();
+  row_lines_.clear();
+  level_count_ = 0;
+  ScanLine bounds[2];  // the neighbouring rows' lines, where only their y matters
+  if (planes_.locates_level_edges()) {
+    row_lines_.push_back(&lines_[sample_plane(row, -1)]);
+    for (int k = 0; k <= samples; ++k) {
+      const ScanLine& next = lines_[sample_plane(row, k)];
+      locate_level_edges(*row_lines_.back(), next, pieces);
+      row_lines_.push_back(&next);
+    }
+  } else {
+    bounds[0].y = planes_.sample_y(int64_t(row) * samples - 1);
+    bounds[1].y = planes_.sample_y(int64_t(row + 1) * samples);
+    row_lines_.push_back(&bounds[0]);
+    for (int k = 0; k < samples; ++k) row_lines_.push_back(&lines_[sample_plane(row, k)]);
+    row_lines_.push_back(&bounds[1]);
+  }
+  weighted_.clear();
+  for (std::size_t k = 1; k + 1 < row_lines_.size(); ++k) {
+    const double y = row_lines_[k]->y - kSampleShiftY;
+    const double above = 0.5 * (y + row_lines_[k - 1]->y - kSampleShiftY);
+    const double below = 0.5 * (y + row_lines_[k + 1]->y - kSampleShiftY);
+    const double weight = std::min(below, row + 1.0) - std::max(above, double(row));
+    if (weight > 0.0) weighted_.push_back({row_lines_[k], weight});
+  }
+}
+
+// A level edge hides or shows a stretch of x at once, and no number of equal strips places it well: halve the gap
+// between the planes until it lies in a strip of 1 / kLevelSteps.
+void BandPainter::locate_level_edges(const ScanLine& above, const ScanLine& below,
+                                     const std::vector<const Piece*>& pieces) {
+  constexpr double kLevelRun = 2.0;  // pixels; shorter stretches are no worse placed than slanted outlines
+  above.covered(camera_.width, covered_above_);
+  below.covered(camera_.width, covered_below_);
+  if (longest_difference(covered_above_, covered_below_) < kLevelRun) return;
+  const double y = ScanPlanes::level_y(ScanPlanes::level_step(0.5 * (above.y + below.y)));
+  if (!(y > above.y && y < below.y)) return;
+  const ScanLine& middle = cut_level(y, pieces);
+  locate_level_edges(above, middle, pieces);
+  row_lines_.push_back(&middle);
+  locate_level_edges(middle, below, pieces);
+}
+
+const ScanLine& BandPainter::cut_level(double y, const std::vector<const Piece*>& pieces) {
+  if (level_count_ == level_lines_.size()) level_lines_.emplace_back();
+  ScanLine& line = level_lines_[level_count_++];
+  line.clear(y);
+  for (const Piece* piece : pieces) {
+    if (!(piece->y.lo <= y && y <= piece->y.hi)) continue;
+    if (line.hides(std::max(piece->x.lo, 0.0), std::min(piece->x.hi, double(camera_.width)),
+                   piece->key.lo - visibility_.tie())) {
+      continue;
+    }
+    made_.clear();
+    maker_.append(*piece, &y, 1, 0, camera_.width, made_);
+    insert_spans(*piece, &line);
+  }
+  return line;
+}
+
+}  // namespace nofacet

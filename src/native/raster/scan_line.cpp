@@ -1,0 +1,195 @@
+#include "raster/scan_line.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nofacet {
+namespace {
+
+constexpr double kFinestInterval = 0.5;      // pixels
+constexpr double kCrossingTolerance = 1e-6;  // pixels
+
+auto first_after(const std::vector<VisibleSegment>& segments, double x) {
+  return std::upper_bound(segments.begin(), segments.end(), x,
+                          [](double value, const VisibleSegment& s) { return value < s.x1; });
+}
+
+}  // namespace
+
+bool ScanLine::hides(double x0, double x1, double nearest) const {
+  double cursor = x0;
+  for (auto it = first_after(segments, x0); it != segments.end() && it->x0 <= cursor; ++it) {
+    if (it->span->farthest >= nearest) return false;
+    if (it->x1 >= x1) return true;
+    cursor = it->x1;
+  }
+  return false;
+}
+
+void ScanLine::covered(double width, std::vector<Interval>& out) const {
+  out.clear();
+  for (const VisibleSegment& segment : segments) out.push_back({segment.x0, segment.x1});
+  if (!transparent.empty()) {
+    for (const Span* span : transparent) out.push_back({std::max(span->x0, 0.0), std::min(span->x1, width)});
+    std::sort(out.begin(), out.end(), [](const Interval& p, const Interval& q) { return p.lo < q.lo; });
+  }
+  std::size_t kept = 0;
+  for (const Interval& next : out) {
+    // Neighbouring faces meet but for rounding.
+    if (kept > 0 && next.lo <= out[kept - 1].hi + kSliverPixels) {
+      out[kept - 1].hi = std::max(out[kept - 1].hi, next.hi);
+    } else {
+      out[kept++] = next;
+    }
+  }
+  out.resize(kept);
+}
+
+void Visibility::insert(const Span& span, std::vector<VisibleSegment>& segments) {
+  const Range old = merge(span, segments);
+  if (!shown_) return;
+  const std::ptrdiff_t count = old.last - old.first, size = std::ptrdiff_t(merged_.size());
+  const auto first = segments.begin() + old.first;
+  if (size > count) {
+    segments.insert(first, size - count, {});
+  } else {
+    segments.erase(first, first + (count - size));
+  }
+  std::copy(merged_.begin(), merged_.end(), segments.begin() + old.first);
+}
+
+void Visibility::append_visible(const Span& span, const std::vector<VisibleSegment>& segments,
+                                std::vector<VisibleSegment>& out) {
+  merge(span, segments);
+  for (const VisibleSegment& segment : merged_) {
+    if (segment.span == &span) out.push_back(segment);
+  }
+}
+
+// Writes to merged_ what replaces the segments that the span overlaps, and to shown_ whether it is in it.
+Visibility::Range Visibility::merge(const Span& span, const std::vector<VisibleSegment>& segments) {
+  double cursor = std::max(span.x0, 0.0);
+  const double end = std::min(span.x1, width_);
+  const auto first = first_after(segments, cursor);
+  merged_.clear();
+  shown_ = false;
+  auto it = first;
+  for (; it != segments.end() && it->x0 < end; ++it) {
+    if (cursor < it->x0) {
+      push(cursor, it->x0, &span);
+      shown_ = true;
+      cursor = it->x0;
+    }
+    push(it->x0, cursor, it->span);
+    const double overlap_end = std::min(it->x1, end);
+    shown_ |= compare(span, *it->span, cursor, overlap_end);
+    push(overlap_end, it->x1, it->span);
+    cursor = overlap_end;
+  }
+  if (cursor < end) {
+    push(cursor, end, &span);
+    shown_ = true;
+  }
+  return {first - segments.begin(), it - segments.begin()};
+}
+
+void Visibility::push(double x0, double x1, const Span* span) {
+  if (!(x0 < x1)) return;
+  if (!merged_.empty() && merged_.back().span == span && merged_.back().x1 == x0) {
+    merged_.back().x1 = x1;
+  } else {
+    merged_.push_back({x0, x1, span});
+  }
+}
+
+bool Visibility::show(const Span* winner, const Span& fresh, double x0, double x1) {
+  push(x0, x1, winner);
+  return winner == &fresh;
+}
+
+// Who is nearest if the keys lie in these ranges; null if they do not tell. Ranges that only touch do: surfaces may meet
+// at an edge. Where all keys are the same, the face with the lower index is.
+const Span* Visibility::decide(Interval fresh_key, Interval old_key, const Span& fresh, const Span& old) const {
+  const bool fresh_behind = fresh_key.lo > old_key.hi - tie_, old_behind = old_key.lo > fresh_key.hi - tie_;
+  if (fresh_behind && old_behind) return fresh.piece->face < old.piece->face ? &fresh : &old;
+  return fresh_behind ? &old : old_behind ? &fresh : nullptr;
+}
+
+// Writes who is nearest on [x0, x1]; returns whether the new span is anywhere.
+bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x1) {
+  if (!(x0 < x1)) return false;
+  // Neighbours meet at their common border but for rounding.
+  if (x1 - x0 < kNegligiblePixels) return show(&old, fresh, x0, x1);
+  if (const Span* nearer = decide({fresh.nearest, fresh.farthest}, {old.nearest, old.farthest}, fresh, old)) {
+    return show(nearer, fresh, x0, x1);
+  }
+  const Piece &f = *fresh.piece, &o = *old.piece;
+  // Two branches of one cut, on both sides of a fold: along it the key moves one way.
+  if (&f == &o && f.simple_borders && f.key_slope.one_signed() && fresh.plane == old.plane) {
+    const bool after = fresh.a0 + fresh.a1 > old.a0 + old.a1;
+    return show(after == f.key_slope.positive() ? &old : &fresh, fresh, x0, x1);
+  }
+  const double d0 = f.key_plane.key(x0, fresh.y) - o.key_plane.key(x0, fresh.y);
+  const double d1 = f.key_plane.key(x1, fresh.y) - o.key_plane.key(x1, fresh.y);
+  const double error = f.key_plane.error + o.key_plane.error;
+  const Interval difference{std::min(d0, d1) - error, std::max(d0, d1) + error};
+  if (const Span* nearer = decide(difference, {0.0, 0.0}, fresh, old)) return show(nearer, fresh, x0, x1);
+  const auto probe = [](const Span& span, double x) {
+    Probe p;
+    p.key = key_at(span, x, &p.a);
+    return p;
+  };
+  return compare(fresh, old, x0, x1, probe(fresh, x0), probe(fresh, x1), probe(old, x0), probe(old, x1));
+}
+
+bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x1, Probe f0, Probe f1, Probe o0,
+                         Probe o1) {
+  const auto between = [](const Span& span, const Probe& p, const Probe& q) {
+    if (span.piece->planar) return Interval{std::min(p.key, q.key), std::max(p.key, q.key)};
+    return span.key_between(p.a, p.key, q.a, q.key);
+  };
+  const Interval f = between(fresh, f0, f1), o = between(old, o0, o1);
+  if (const Span* nearer = decide(f, o, fresh, old)) return show(nearer, fresh, x0, x1);
+  const bool both_planar = fresh.piece->planar && old.piece->planar;
+  if (x1 - x0 > kFinestInterval && !both_planar) {
+    const double middle = 0.5 * (x0 + x1);
+    Probe fm, om;
+    fm.key = key_at(fresh, middle, &fm.a);
+    om.key = key_at(old, middle, &om.a);
+    const bool left = compare(fresh, old, x0, middle, f0, fm, o0, om);
+    return compare(fresh, old, middle, x1, fm, f1, om, o1) || left;
+  }
+  const double d0 = f0.key - o0.key, d1 = f1.key - o1.key;
+  const bool tie0 = std::fabs(d0) <= tie_, tie1 = std::fabs(d1) <= tie_;
+  if (tie0 || tie1 || (d0 < 0) == (d1 < 0)) {
+    // No crossing inside; surfaces that touch at one end are told apart at the other.
+    const bool nearer = tie0 && tie1 ? fresh.piece->face < old.piece->face : (tie0 ? d1 : d0) < 0;
+    return show(nearer ? &fresh : &old, fresh, x0, x1);
+  }
+  const double crossing = solve_crossing(fresh, old, x0, x1, d0, d1);
+  push(x0, crossing, d0 < 0 ? &fresh : &old);
+  push(crossing, x1, d1 < 0 ? &fresh : &old);
+  return true;
+}
+
+// Where the key difference, of opposite signs at x0 and x1, vanishes.
+double Visibility::solve_crossing(const Span& fresh, const Span& old, double x0, double x1, double d0,
+                                  double d1) const {
+  double a;
+  for (int iteration = 0; iteration < 60 && x1 - x0 > kCrossingTolerance; ++iteration) {
+    double x = iteration % 3 == 2 ? 0.5 * (x0 + x1) : x0 + (x1 - x0) * d0 / (d0 - d1);
+    if (!(x > x0 && x < x1)) x = 0.5 * (x0 + x1);
+    const double d = key_at(fresh, x, &a) - key_at(old, x, &a);
+    if (d == 0.0) return x;
+    if ((d < 0) == (d0 < 0)) {
+      if (x - x0 < kCrossingTolerance) return x;
+      x0 = x, d0 = d;
+    } else {
+      if (x1 - x < kCrossingTolerance) return x;
+      x1 = x, d1 = d;
+    }
+  }
+  return 0.5 * (x0 + x1);
+}
+
+}  // namespace nofacet

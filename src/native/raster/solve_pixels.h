@@ -1,0 +1,28 @@
+// The surface at many pixel centres: Newton's method with a pixel in each SIMD lane, shaded and written at once.
+#pragma once
+#include <vector>
+
+#include "frame.h"
+#include "raster/span.h"
+
+namespace nofacet {
+
+// The pixels [first, last) of a row, whose centres lie on the span.
+struct PixelJob {
+  const Span* span;
+  int32_t row, first, last;
+};
+
+// Solves jobs that all lie on `piece` and writes the frame's buffers there; `color` gets the shade with alpha 1.
+// A pixel is accepted when the second-order remainder of its last Newton step is below kPixelTolerance, in x, y and
+// depth, and it lies on its span's part of the piece, where the certificate allows one solution only. The rest is
+// appended to `failed`, one job a pixel, and left unwritten or wrong.
+void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, const Piece& piece,
+                  const PixelJob* jobs, std::size_t count, std::vector<PixelJob>& failed);
+
+// Solves one pixel, whatever it takes, and writes it.
+void solve_hard_pixel(const Scene& scene, const Camera& camera, const Frame& frame, const PixelJob& job);
+
+inline constexpr double kPixelTolerance = 1e-8;
+
+}  // namespace nofacet
