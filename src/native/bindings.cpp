@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "bezier/bernstein.h"
+#include "buffer_pool.h"
 #include "methods.h"
 
 namespace nb = nanobind;
@@ -107,13 +108,32 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
     stats = method->render(*bound.scene, camera, {samples, threads, edges}, frame);
   }
   nb::dict result;
+  result["project_seconds"] = stats.project_seconds;
   result["subdivide_seconds"] = stats.subdivide_seconds;
-  result["scan_seconds"] = stats.scan_seconds;
+  result["span_seconds"] = stats.span_seconds;
+  result["visibility_seconds"] = stats.visibility_seconds;
+  result["shade_seconds"] = stats.shade_seconds;
+  result["average_seconds"] = stats.average_seconds;
   result["edge_seconds"] = stats.edge_seconds;
   result["pieces"] = stats.pieces;
   result["unresolved"] = stats.unresolved;
   result["unresolved_faces"] = stats.unresolved_faces;
   return result;
+}
+
+// Uninitialised memory for a frame's buffer, from the pool and back to it when the last array on it is gone.
+nb::ndarray<nb::numpy, uint8_t, nb::ndim<1>> frame_buffer(std::size_t bytes) {
+  struct Lease {
+    void* memory;
+    std::size_t bytes;
+  };
+  auto* lease = new Lease{BufferPool::instance().take(bytes), bytes};
+  nb::capsule owner(lease, [](void* p) noexcept {
+    auto* held = static_cast<Lease*>(p);
+    BufferPool::instance().give_back(held->memory, held->bytes);
+    delete held;
+  });
+  return {lease->memory, {bytes}, owner};
 }
 
 std::vector<std::string> method_names() {
@@ -134,5 +154,7 @@ NB_MODULE(_native, module) {
            nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(),
            nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.");
+  module.def("frame_buffer", &frame_buffer, nb::arg("bytes"),
+             "Uninitialised uint8 array of shape (bytes,) in memory that is used again for later frames.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
 }

@@ -30,25 +30,32 @@ double longest_difference(const std::vector<Interval>& p, const std::vector<Inte
 
 }  // namespace
 
-BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, double tie,
-                         const Frame& frame)
+BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes,
+                         FramePatches& patches, int thread, const Frame& frame)
     : scene_(scene),
       camera_(camera),
       planes_(planes),
+      patches_(patches),
+      thread_(thread),
       frame_(frame),
-      visibility_(camera.width, tie),
+      visibility_(camera, patches.depth_tie()),
       average_(scene, camera, frame, visibility_) {}
 
-void BandPainter::paint(int first_row, int end_row, const std::vector<const Piece*>& pieces) {
+void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& patches) {
   first_row_ = first_row, end_row_ = end_row;
+  band_patches_ = &patches;
+  watch_.restart();
   lay_planes();
-  cut_pieces(pieces);
+  cut_patches();
+  watch_.lap(times_.visibility);
   if (planes_.centre()) solve_values();
+  watch_.lap(times_.shade);
   if (!frame_.color && !frame_.coverage) return;
   for (int row = first_row; row < end_row; ++row) {
-    weigh_planes(row, pieces);
+    weigh_planes(row);
     average_.average(row, planes_.centre() ? front(row) : row_lines_[1]->segments, weighted_);
   }
+  watch_.lap(times_.average);
 }
 
 // The band's planes from top to bottom: of each row the sample planes with the centre plane among them, and, where
@@ -86,26 +93,42 @@ int BandPainter::sample_plane(int row, int k) const {
   return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + k + after_centre;
 }
 
-void BandPainter::cut_pieces(const std::vector<const Piece*>& pieces) {
+void BandPainter::cut_patches() {
   spans_.reuse();
   order_ = 0;
-  for (const Piece* piece : pieces) {
-    const auto first = std::lower_bound(plane_y_.begin(), plane_y_.end(), piece->y.lo);
-    const auto last = std::upper_bound(first, plane_y_.end(), piece->y.hi);
-    if (first == last) continue;
-    const int from = int(first - plane_y_.begin()), count = int(last - first);
-    if (hidden(*piece, from, from + count)) continue;
-    made_.clear();
-    maker_.append(*piece, &*first, count, from, camera_.width, made_);
-    insert_spans(*piece, lines_.data());
+  for (const int32_t index : *band_patches_) {
+    const PlacedPatch& patch = patches_.patches()[index];
+    const auto [first, last] = planes_in(patch.y);
+    if (first == last || hidden(patch.x, patch.key.lo, first, last)) continue;
+    watch_.lap(times_.visibility);
+    const auto [piece, end] = patches_.pieces(index, thread_);
+    watch_.lap(times_.subdivide);
+    for (const Piece* p = piece; p != end; ++p) cut_piece(*p);
   }
 }
 
-// Whether the planes [first, last) show something nearer all over the piece.
-bool BandPainter::hidden(const Piece& piece, int first, int last) const {
-  const double x0 = std::max(piece.x.lo, 0.0), x1 = std::min(piece.x.hi, double(camera_.width));
+void BandPainter::cut_piece(const Piece& piece) {
+  const auto [first, last] = planes_in(piece.y);
+  if (first == last || hidden(piece.x, piece.key.lo, first, last)) return;
+  watch_.lap(times_.visibility);
+  made_.clear();
+  maker_.append(piece, plane_y_.data() + first, last - first, first, camera_.width, made_);
+  watch_.lap(times_.spans);
+  insert_spans(piece, lines_.data());
+}
+
+// The planes [first, second) of the band that lie in y.
+std::pair<int, int> BandPainter::planes_in(Interval y) const {
+  const auto first = std::lower_bound(plane_y_.begin(), plane_y_.end(), y.lo);
+  const auto last = std::upper_bound(first, plane_y_.end(), y.hi);
+  return {int(first - plane_y_.begin()), int(last - plane_y_.begin())};
+}
+
+// Whether the planes [first, last) show something nearer all over the range of x.
+bool BandPainter::hidden(Interval x, double nearest, int first, int last) const {
+  const double x0 = std::max(x.lo, 0.0), x1 = std::min(x.hi, double(camera_.width));
   for (int plane = first; plane < last; ++plane) {
-    if (!lines_[plane].hides(x0, x1, piece.key.lo - visibility_.tie())) return false;
+    if (!lines_[plane].hides(x0, x1, nearest - visibility_.tie(nearest))) return false;
   }
   return true;
 }
@@ -178,7 +201,7 @@ void BandPainter::fill_background(int row, int first, int last) const {
 }
 
 // The lines that the row is averaged over, each for the strip of the row that is nearest to it.
-void BandPainter::weigh_planes(int row, const std::vector<const Piece*>& pieces) {
+void BandPainter::weigh_planes(int row) {
   const int samples = planes_.samples();
   row_lines_.clear();
   level_count_ = 0;
@@ -187,7 +210,7 @@ void BandPainter::weigh_planes(int row, const std::vector<const Piece*>& pieces)
     row_lines_.push_back(&lines_[sample_plane(row, -1)]);
     for (int k = 0; k <= samples; ++k) {
       const ScanLine& next = lines_[sample_plane(row, k)];
-      locate_level_edges(*row_lines_.back(), next, pieces);
+      locate_level_edges(*row_lines_.back(), next);
       row_lines_.push_back(&next);
     }
   } else {
@@ -209,33 +232,36 @@ void BandPainter::weigh_planes(int row, const std::vector<const Piece*>& pieces)
 
 // A level edge hides or shows a stretch of x at once, and no number of equal strips places it well: halve the gap
 // between the planes until it lies in a strip of 1 / kLevelSteps.
-void BandPainter::locate_level_edges(const ScanLine& above, const ScanLine& below,
-                                     const std::vector<const Piece*>& pieces) {
+void BandPainter::locate_level_edges(const ScanLine& above, const ScanLine& below) {
   constexpr double kLevelRun = 2.0;  // pixels; shorter stretches are no worse placed than slanted outlines
   above.covered(camera_.width, covered_above_);
   below.covered(camera_.width, covered_below_);
   if (longest_difference(covered_above_, covered_below_) < kLevelRun) return;
   const double y = ScanPlanes::level_y(ScanPlanes::level_step(0.5 * (above.y + below.y)));
   if (!(y > above.y && y < below.y)) return;
-  const ScanLine& middle = cut_level(y, pieces);
-  locate_level_edges(above, middle, pieces);
+  const ScanLine& middle = cut_level(y);
+  locate_level_edges(above, middle);
   row_lines_.push_back(&middle);
-  locate_level_edges(middle, below, pieces);
+  locate_level_edges(middle, below);
 }
 
-const ScanLine& BandPainter::cut_level(double y, const std::vector<const Piece*>& pieces) {
+const ScanLine& BandPainter::cut_level(double y) {
   if (level_count_ == level_lines_.size()) level_lines_.emplace_back();
   ScanLine& line = level_lines_[level_count_++];
   line.clear(y);
-  for (const Piece* piece : pieces) {
-    if (!(piece->y.lo <= y && y <= piece->y.hi)) continue;
-    if (line.hides(std::max(piece->x.lo, 0.0), std::min(piece->x.hi, double(camera_.width)),
-                   piece->key.lo - visibility_.tie())) {
-      continue;
+  const auto hides = [&](Interval x, double nearest) {
+    return line.hides(std::max(x.lo, 0.0), std::min(x.hi, double(camera_.width)), nearest - visibility_.tie(nearest));
+  };
+  for (const int32_t index : *band_patches_) {
+    const PlacedPatch& patch = patches_.patches()[index];
+    if (!(patch.y.lo <= y && y <= patch.y.hi) || hides(patch.x, patch.key.lo)) continue;
+    const auto [piece, end] = patches_.pieces(index, thread_);
+    for (const Piece* p = piece; p != end; ++p) {
+      if (!(p->y.lo <= y && y <= p->y.hi) || hides(p->x, p->key.lo)) continue;
+      made_.clear();
+      maker_.append(*p, &y, 1, 0, camera_.width, made_);
+      insert_spans(*p, &line);
     }
-    made_.clear();
-    maker_.append(*piece, &y, 1, 0, camera_.width, made_);
-    insert_spans(*piece, &line);
   }
   return line;
 }

@@ -1,5 +1,6 @@
 // Proofs, by interval bounds over a whole piece, of how scan planes cut it.
 #pragma once
+#include "bezier/jacobian.h"
 #include "bezier/net.h"
 
 namespace nofacet {
@@ -27,6 +28,15 @@ struct Certificate {
   Halve halve = Halve::either;
 };
 
+// By interval bounds alone.
 Certificate certify_cut(const Net& net, const NetBounds& bounds);
+
+// What is known of a patch whose forms are carried along: the sizes of the terms that they are made of, by which
+// rounding errors are measured, and the least weight.
+struct CarriedForms {
+  double jacobian_terms = 0.0, turn_terms = 0.0, weight = 1.0;
+};
+// With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter.
+Certificate certify_cut(const NetBounds& bounds, const Grid& jacobian, const Grid& turn, const CarriedForms& scales);
 
 }  // namespace nofacet

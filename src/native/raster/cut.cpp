@@ -8,8 +8,6 @@
 namespace nofacet {
 namespace {
 
-constexpr int kMaxBreaks = 2 * kMaxDegree + 2;
-
 double jacobian_at(const Piece& piece, const CutPoint& point) {
   return ScreenJet(evaluate(piece.net, point.a, point.b)).jacobian();
 }
@@ -17,55 +15,6 @@ double jacobian_at(const Piece& piece, const CutPoint& point) {
 CutPoint cut_point(const Piece& piece, double a, double b) {
   const Jet jet = evaluate(piece.net, a, b);
   return {a, b, jet.p[kX] / jet.p[kW], jet.p[kZ] / jet.p[kW]};
-}
-
-// d(a, 0) and d(a, 1), signed so that d grows with b.
-void edge_polynomials(const Piece& piece, double y, double* low, double* high) {
-  const Net& net = piece.net;
-  const double sign = piece.rising ? 1.0 : -1.0;
-  for (int i = 0; i <= net.n; ++i) {
-    const double *p = net.at(i, 0), *q = net.at(i, net.m);
-    low[i] = sign * (p[kY] - y * p[kW]);
-    high[i] = sign * (q[kY] - y * q[kW]);
-  }
-}
-
-struct Stretch {
-  double from, to;
-  // b at the ends where a border of the piece ends the cut (0 or 1); NaN where a itself is 0 or 1.
-  double b_from, b_to;
-};
-
-// The intervals of a on which the cut exists: low(a) < 0 <= high(a). Half-open, so that neighbours share no cut.
-int stretches(const Piece& piece, double y, Stretch* out) {
-  const int n = piece.net.n;
-  double low[kMaxDegree + 1], high[kMaxDegree + 1];
-  edge_polynomials(piece, y, low, high);
-  struct Break {
-    double a, b;
-  };
-  Break breaks[kMaxBreaks];
-  double roots[kMaxDegree + 1];
-  int count = 0;
-  breaks[count++] = {0.0, NAN};
-  for (int k = bernstein_roots(low, n, roots); k-- > 0;) breaks[count++] = {roots[k], 0.0};
-  for (int k = bernstein_roots(high, n, roots); k-- > 0;) breaks[count++] = {roots[k], 1.0};
-  breaks[count++] = {1.0, NAN};
-  if (count == 2) {
-    if (!(low[0] < 0 && high[0] >= 0)) return 0;
-    out[0] = {0.0, 1.0, NAN, NAN};
-    return 1;
-  }
-  std::sort(breaks, breaks + count, [](const Break& p, const Break& q) { return p.a < q.a; });
-  int found = 0;
-  for (int k = 1; k < count; ++k) {
-    if (breaks[k].a <= breaks[k - 1].a) continue;
-    const double middle = 0.5 * (breaks[k - 1].a + breaks[k].a);
-    if (bernstein_value(low, n, middle) < 0 && bernstein_value(high, n, middle) >= 0) {
-      out[found++] = {breaks[k - 1].a, breaks[k].a, breaks[k - 1].b, breaks[k].b};
-    }
-  }
-  return found;
 }
 
 // Where x turns between two points of the cut whose Jacobians have opposite signs (Illinois' false position; an error e
@@ -109,17 +58,13 @@ double border_root(const double* points, std::size_t stride, int degree, double 
 const std::vector<CutArc>& PieceCutter::cut(const Piece& piece, const double* y, int count) {
   arcs_.clear();
   if (count == 0) return arcs_;
-  if (piece.simple_borders) {
-    cut_simple(piece, y, count);
-  } else {
-    for (int plane = 0; plane < count; ++plane) cut_general(piece, y[plane], plane);
-  }
+  cut_at_borders(piece, y, count);
   if (piece.kind == CutKind::fold) split_at_folds(piece, y);
   return arcs_;
 }
 
 // Each border meets a plane at most once, so the four corners tell on which two borders a cut begins and ends.
-void PieceCutter::cut_simple(const Piece& piece, const double* y, int count) {
+void PieceCutter::cut_at_borders(const Piece& piece, const double* y, int count) {
   const Net& net = piece.net;
   const double sign = piece.rising ? 1.0 : -1.0;
   const auto corner = [&](int i, int j) { return sign * net.at(i, j)[kY] / net.at(i, j)[kW]; };
@@ -178,18 +123,6 @@ void PieceCutter::solve_border(const double* points, std::size_t stride, int deg
       for (int c = 0; c < 4; ++c) p[c] += basis[i] * points[i * stride + c];
     }
     roots.a[k] = t, roots.x[k] = p[kX] / p[kW], roots.key[k] = p[kZ] / p[kW];
-  }
-}
-
-// Borders that turn in y: all roots of both, by Bezier clipping.
-void PieceCutter::cut_general(const Piece& piece, double y, int plane) {
-  Stretch found[kMaxBreaks];
-  const int count = stretches(piece, y, found);
-  for (int k = 0; k < count; ++k) {
-    const Stretch& s = found[k];
-    const double b_from = std::isnan(s.b_from) ? cut_at(piece, y, s.from, NAN) : s.b_from;
-    const double b_to = std::isnan(s.b_to) ? cut_at(piece, y, s.to, b_from) : s.b_to;
-    arcs_.push_back({plane, cut_point(piece, s.from, b_from), cut_point(piece, s.to, b_to)});
   }
 }
 

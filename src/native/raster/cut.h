@@ -13,7 +13,8 @@ struct CutPoint {
   bool fold = false;  // x turns here
 };
 
-// A part of the cut by one plane, without regard to trim curves, along which x moves one way only: from.a < to.a.
+// A part of the cut by one plane, without regard to trim curves, along which x moves one way only: from.a < to.a. A
+// plane cuts a piece in one arc, or in two that share a fold.
 struct CutArc {
   int plane;
   CutPoint from, to;
@@ -28,8 +29,7 @@ class PieceCutter {
  private:
   enum class Side : unsigned char { below, inside, above };
 
-  void cut_simple(const Piece& piece, const double* y, int count);
-  void cut_general(const Piece& piece, double y, int plane);
+  void cut_at_borders(const Piece& piece, const double* y, int count);
   static void solve_border(const double* points, std::size_t stride, int degree, const double* y,
                            PlaneRoots& roots, const std::vector<int>& planes);
   void split_at_folds(const Piece& piece, const double* y);

@@ -6,6 +6,7 @@
 #define NOFACET_RASTER_LANES_INL_H_
 #endif
 
+#include "bezier/centred_net.h"
 #include "bezier/net.h"
 #include "hwy/highway.h"
 
@@ -93,32 +94,93 @@ HWY_INLINE void evaluate_lanes(Lanes d, const Net& net, Vec a, Vec b, LaneJet& j
   LaneBasis<kM> in_b;
   in_a.set(d, n, a);
   in_b.set(d, m, b);
-  for (int c = 0; c < 4; ++c) jet.p[c] = jet.pa[c] = jet.pb[c] = hn::Zero(d);
-  const double* point = net.points;
-  for (int i = 0; i <= n; ++i) {
-    Vec row0 = hn::Zero(d), row1 = row0, row2 = row0, row3 = row0;
-    Vec slope0 = row0, slope1 = row0, slope2 = row0, slope3 = row0;
-    for (int j = 0; j <= m; ++j, point += 4) {
-      const Vec v = in_b.value_at(d, j), s = in_b.slope_at(d, j);
-      const Vec x = hn::Set(d, point[kX]), y = hn::Set(d, point[kY]), z = hn::Set(d, point[kZ]);
-      row0 = hn::MulAdd(v, x, row0), slope0 = hn::MulAdd(s, x, slope0);
-      row1 = hn::MulAdd(v, y, row1), slope1 = hn::MulAdd(s, y, slope1);
-      row3 = hn::MulAdd(v, z, row3), slope3 = hn::MulAdd(s, z, slope3);
-      if constexpr (kRational) {
-        const Vec w = hn::Set(d, point[kW]);
-        row2 = hn::MulAdd(v, w, row2), slope2 = hn::MulAdd(s, w, slope2);
+  if constexpr (kN >= 0 && kM >= 0) {
+    // One component after the other: the bases stay in registers.
+    for (const int c : {kX, kY, kZ, kW}) {
+      if (c == kW && !kRational) continue;
+      const double* point = net.points + c;
+      Vec p, pa, pb;
+      for (int i = 0; i <= kN; ++i) {
+        Vec row = hn::Mul(in_b.value[0], hn::Set(d, point[0])), slope = hn::Mul(in_b.slope[0], hn::Set(d, point[0]));
+        for (int j = 1; j <= kM; ++j) {
+          const Vec q = hn::Set(d, point[4 * j]);
+          row = hn::MulAdd(in_b.value[j], q, row), slope = hn::MulAdd(in_b.slope[j], q, slope);
+        }
+        point += 4 * (kM + 1);
+        if (i == 0) {
+          p = hn::Mul(in_a.value[0], row), pa = hn::Mul(in_a.slope[0], row), pb = hn::Mul(in_a.value[0], slope);
+        } else {
+          p = hn::MulAdd(in_a.value[i], row, p), pa = hn::MulAdd(in_a.slope[i], row, pa);
+          pb = hn::MulAdd(in_a.value[i], slope, pb);
+        }
+      }
+      jet.p[c] = p, jet.pa[c] = pa, jet.pb[c] = pb;
+    }
+  } else {
+    for (int c = 0; c < 4; ++c) jet.p[c] = jet.pa[c] = jet.pb[c] = hn::Zero(d);
+    const double* point = net.points;
+    for (int i = 0; i <= n; ++i) {
+      Vec row0 = hn::Zero(d), row1 = row0, row2 = row0, row3 = row0;
+      Vec slope0 = row0, slope1 = row0, slope2 = row0, slope3 = row0;
+      for (int j = 0; j <= m; ++j, point += 4) {
+        const Vec v = in_b.value_at(d, j), s = in_b.slope_at(d, j);
+        const Vec x = hn::Set(d, point[kX]), y = hn::Set(d, point[kY]), z = hn::Set(d, point[kZ]);
+        row0 = hn::MulAdd(v, x, row0), slope0 = hn::MulAdd(s, x, slope0);
+        row1 = hn::MulAdd(v, y, row1), slope1 = hn::MulAdd(s, y, slope1);
+        row3 = hn::MulAdd(v, z, row3), slope3 = hn::MulAdd(s, z, slope3);
+        if constexpr (kRational) {
+          const Vec w = hn::Set(d, point[kW]);
+          row2 = hn::MulAdd(v, w, row2), slope2 = hn::MulAdd(s, w, slope2);
+        }
+      }
+      const Vec v = in_a.value_at(d, i), s = in_a.slope_at(d, i);
+      const auto add = [&](int c, Vec row, Vec slope) HWY_ATTR {
+        jet.p[c] = hn::MulAdd(v, row, jet.p[c]);
+        jet.pa[c] = hn::MulAdd(s, row, jet.pa[c]);
+        jet.pb[c] = hn::MulAdd(v, slope, jet.pb[c]);
+      };
+      add(kX, row0, slope0);
+      add(kY, row1, slope1);
+      add(kZ, row3, slope3);
+      if constexpr (kRational) add(kW, row2, slope2);
+    }
+  }
+}
+
+// The same by Horner's rule about the middle of the net, in less than two thirds of the time. Positions are relative to
+// the net's centre.
+template <int kN, int kM, bool kRational>
+HWY_INLINE void evaluate_lanes(Lanes d, const CentredNet& net, Vec a, Vec b, LaneJet& jet) {
+  const int n = kN >= 0 ? kN : net.n, m = kM >= 0 ? kM : net.m;
+  const Vec half = hn::Set(d, 0.5), s = hn::Sub(a, half), t = hn::Sub(b, half);
+  constexpr int kLast = kRational ? 3 : 2;
+  constexpr Component kOrder[4] = {kX, kY, kZ, kW};
+  const double* row = net.points + 4 * std::size_t(n) * (m + 1);
+  if constexpr (kN < 0) {
+    for (int c = 0; c < 4; ++c) jet.p[c] = jet.pa[c] = jet.pb[c] = hn::Zero(d);
+  }
+  for (int i = n; i >= 0; --i, row -= 4 * (m + 1)) {
+    Vec value[4], slope[4];
+    for (int k = 0; k <= kLast; ++k) {
+      slope[k] = hn::Set(d, row[4 * m + kOrder[k]]);
+      value[k] = hn::MulAdd(slope[k], t, hn::Set(d, row[4 * (m - 1) + kOrder[k]]));
+    }
+    for (int j = m - 2; j >= 0; --j) {
+      for (int k = 0; k <= kLast; ++k) {
+        slope[k] = hn::MulAdd(slope[k], t, value[k]);
+        value[k] = hn::MulAdd(value[k], t, hn::Set(d, row[4 * j + kOrder[k]]));
       }
     }
-    const Vec v = in_a.value_at(d, i), s = in_a.slope_at(d, i);
-    const auto add = [&](int c, Vec row, Vec slope) HWY_ATTR {
-      jet.p[c] = hn::MulAdd(v, row, jet.p[c]);
-      jet.pa[c] = hn::MulAdd(s, row, jet.pa[c]);
-      jet.pb[c] = hn::MulAdd(v, slope, jet.pb[c]);
-    };
-    add(kX, row0, slope0);
-    add(kY, row1, slope1);
-    add(kZ, row3, slope3);
-    if constexpr (kRational) add(kW, row2, slope2);
+    for (int k = 0; k <= kLast; ++k) {
+      const int c = kOrder[k];
+      if (i == n) {
+        jet.p[c] = value[k], jet.pb[c] = slope[k], jet.pa[c] = hn::Zero(d);
+      } else {
+        jet.pa[c] = hn::MulAdd(jet.pa[c], s, jet.p[c]);
+        jet.p[c] = hn::MulAdd(jet.p[c], s, value[k]);
+        jet.pb[c] = hn::MulAdd(jet.pb[c], s, slope[k]);
+      }
+    }
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "arena.h"
 #include "bezier/interval.h"
+#include "bezier/jacobian.h"
 #include "bezier/net.h"
 #include "camera.h"
 #include "raster/certificate.h"
@@ -38,6 +39,7 @@ struct KeyPlane {
   double key(double x, double y) const { return at + by_x * x + by_y * y; }
 };
 
+// No scan plane meets one of its four borders twice.
 struct Piece {
   Net net;  // a = the patch's s and b = its t, or the other way round if transposed
   const Scene::PatchRef* patch;
@@ -50,7 +52,6 @@ struct Piece {
   bool rising;           // Y - y W grows with b
   bool rational;         // the weights differ; else they are 1
   bool planar;           // the key plane is exact: its error is below kNegligiblePixels
-  bool simple_borders;   // no scan plane meets one of the four borders twice
   CutKind kind;          // uncertain: as small as kNegligiblePixels, drawn as a point
   Interval x, y, key;    // pixels, pixels, depth key (camera.h)
   Interval key_slope;    // d key / da along a cut
@@ -70,6 +71,13 @@ struct Piece {
   }
 };
 
+// The patch as the camera sees it; `points` holds the net. Weights that are all the same become 1.
+Net project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
+                  std::vector<double>& points);
+// True if no point of the net can be in front of the eye and inside the image: every control point lies beyond one of
+// the frustum's planes, in homogeneous form, so it holds for nets that cross the eye plane too.
+bool is_off_screen(const Net& net, const Camera& camera);
+
 // Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
 class PieceBuilder {
  public:
@@ -88,12 +96,21 @@ class PieceBuilder {
   };
   using Arcs = std::vector<const TrimArc*>;
 
-  void subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth);
-  void split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a);
-  double pixels_per_key(Interval key) const;
-  void fit_key_plane(const Net& net, Piece* piece) const;
+  // A part of the patch, with the forms that go with its net where they are carried along (bezier/jacobian.h).
+  struct Node {
+    Net net;
+    Grid jacobian, turn;  // coefficients may be null
+    Box box;
+  };
+
+  void carry_forms(Node& root);
+  void subdivide(const Node& node, const Arcs* arcs, int depth);
+  void split(const Node& node, const Arcs* arcs, int depth, bool along_a);
+  Certificate certify(const Node& node, const NetBounds& bounds) const;
   void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Piece* piece) const;
-  bool behind_or_outside(const Net& net) const;
+  bool is_planar(const Net& net, const NetBounds& bounds) const;
+  void emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Box& box,
+                      const Arcs* arcs);
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
   void add_portions(const Piece& piece, const TrimArc& arc);
 
@@ -103,7 +120,10 @@ class PieceBuilder {
   Arena<double> nets_;
   Arena<TrimPortion> portion_arena_;
   std::vector<TrimPortion> portions_;
-  std::vector<std::vector<double>> stack_;  // two nets for each depth
+  std::vector<double> projected_, turns_, part_;
+  std::vector<std::vector<double>> stack_;  // the two halves for each depth
+  std::vector<double> forms_;               // of the patch: J and its turn
+  CarriedForms scales_;
   std::vector<Arcs> arc_stack_;
   int64_t unresolved_ = 0, nodes_ = 0;
   // The patch being worked on.

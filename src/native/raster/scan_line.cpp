@@ -69,7 +69,7 @@ void Visibility::append_visible(const Span& span, const std::vector<VisibleSegme
 // Writes to merged_ what replaces the segments that the span overlaps, and to shown_ whether it is in it.
 Visibility::Range Visibility::merge(const Span& span, const std::vector<VisibleSegment>& segments) {
   double cursor = std::max(span.x0, 0.0);
-  const double end = std::min(span.x1, width_);
+  const double end = std::min(span.x1, double(camera_.width));
   const auto first = first_after(segments, cursor);
   merged_.clear();
   shown_ = false;
@@ -109,8 +109,9 @@ bool Visibility::show(const Span* winner, const Span& fresh, double x0, double x
 
 // Who is nearest if the keys lie in these ranges; null if they do not tell. Ranges that only touch do: surfaces may meet
 // at an edge. Where all keys are the same, the face with the lower index is.
-const Span* Visibility::decide(Interval fresh_key, Interval old_key, const Span& fresh, const Span& old) const {
-  const bool fresh_behind = fresh_key.lo > old_key.hi - tie_, old_behind = old_key.lo > fresh_key.hi - tie_;
+const Span* Visibility::decide(Interval fresh_key, Interval old_key, double tie, const Span& fresh,
+                               const Span& old) const {
+  const bool fresh_behind = fresh_key.lo > old_key.hi - tie, old_behind = old_key.lo > fresh_key.hi - tie;
   if (fresh_behind && old_behind) return fresh.piece->face < old.piece->face ? &fresh : &old;
   return fresh_behind ? &old : old_behind ? &fresh : nullptr;
 }
@@ -120,12 +121,13 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
   if (!(x0 < x1)) return false;
   // Neighbours meet at their common border but for rounding.
   if (x1 - x0 < kNegligiblePixels) return show(&old, fresh, x0, x1);
-  if (const Span* nearer = decide({fresh.nearest, fresh.farthest}, {old.nearest, old.farthest}, fresh, old)) {
+  const double tie = this->tie(old.nearest);
+  if (const Span* nearer = decide({fresh.nearest, fresh.farthest}, {old.nearest, old.farthest}, tie, fresh, old)) {
     return show(nearer, fresh, x0, x1);
   }
   const Piece &f = *fresh.piece, &o = *old.piece;
   // Two branches of one cut, on both sides of a fold: along it the key moves one way.
-  if (&f == &o && f.simple_borders && f.key_slope.one_signed() && fresh.plane == old.plane) {
+  if (&f == &o && f.key_slope.one_signed() && fresh.plane == old.plane) {
     const bool after = fresh.a0 + fresh.a1 > old.a0 + old.a1;
     return show(after == f.key_slope.positive() ? &old : &fresh, fresh, x0, x1);
   }
@@ -133,36 +135,46 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
   const double d1 = f.key_plane.key(x1, fresh.y) - o.key_plane.key(x1, fresh.y);
   const double error = f.key_plane.error + o.key_plane.error;
   const Interval difference{std::min(d0, d1) - error, std::max(d0, d1) + error};
-  if (const Span* nearer = decide(difference, {0.0, 0.0}, fresh, old)) return show(nearer, fresh, x0, x1);
-  const auto probe = [](const Span& span, double x) {
-    Probe p;
-    p.key = key_at(span, x, &p.a);
-    return p;
-  };
-  return compare(fresh, old, x0, x1, probe(fresh, x0), probe(fresh, x1), probe(old, x0), probe(old, x1));
+  if (const Span* nearer = decide(difference, {0.0, 0.0}, tie, fresh, old)) return show(nearer, fresh, x0, x1);
+  return compare_points(fresh, old, x0, x1);
 }
 
-bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x1, Probe f0, Probe f1, Probe o0,
-                         Probe o1) {
-  const auto between = [](const Span& span, const Probe& p, const Probe& q) {
-    if (span.piece->planar) return Interval{std::min(p.key, q.key), std::max(p.key, q.key)};
-    return span.key_between(p.a, p.key, q.a, q.key);
+// Solves both spans at several x and compares them from one to the next.
+bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, double x1) {
+  constexpr int kLast = SpanKeys::kCount - 1;
+  double x[SpanKeys::kCount];
+  for (int k = 0; k <= kLast; ++k) x[k] = x0 + (x1 - x0) * k / kLast;
+  x[kLast] = x1;
+  SpanKeys f, o;
+  keys_at(fresh, x, &f);
+  keys_at(old, x, &o);
+  const auto between = [](const Span& span, const SpanKeys& keys, int k) {
+    if (span.piece->planar) {
+      return Interval{std::min(keys.key[k], keys.key[k + 1]), std::max(keys.key[k], keys.key[k + 1])};
+    }
+    return span.key_between(keys.a[k], keys.key[k], keys.a[k + 1], keys.key[k + 1]);
   };
-  const Interval f = between(fresh, f0, f1), o = between(old, o0, o1);
-  if (const Span* nearer = decide(f, o, fresh, old)) return show(nearer, fresh, x0, x1);
-  const bool both_planar = fresh.piece->planar && old.piece->planar;
-  if (x1 - x0 > kFinestInterval && !both_planar) {
-    const double middle = 0.5 * (x0 + x1);
-    Probe fm, om;
-    fm.key = key_at(fresh, middle, &fm.a);
-    om.key = key_at(old, middle, &om.a);
-    const bool left = compare(fresh, old, x0, middle, f0, fm, o0, om);
-    return compare(fresh, old, middle, x1, fm, f1, om, o1) || left;
+  const bool finest = x1 - x0 <= kLast * kFinestInterval || (fresh.piece->planar && old.piece->planar);
+  bool shown = false;
+  for (int k = 0; k < kLast; ++k) {
+    if (!(x[k] < x[k + 1])) continue;
+    const Interval key = between(old, o, k);
+    if (const Span* nearer = decide(between(fresh, f, k), key, tie(key.lo), fresh, old)) {
+      shown |= show(nearer, fresh, x[k], x[k + 1]);
+    } else if (!finest) {
+      shown |= compare_points(fresh, old, x[k], x[k + 1]);
+    } else {
+      shown |= cross(fresh, old, x[k], x[k + 1], f.key[k] - o.key[k], f.key[k + 1] - o.key[k + 1], tie(key.lo));
+    }
   }
-  const double d0 = f0.key - o0.key, d1 = f1.key - o1.key;
-  const bool tie0 = std::fabs(d0) <= tie_, tie1 = std::fabs(d1) <= tie_;
+  return shown;
+}
+
+// Who is nearest on a stretch where at most one crossing is looked for, from the key differences at its ends.
+bool Visibility::cross(const Span& fresh, const Span& old, double x0, double x1, double d0, double d1, double tie) {
+  const bool tie0 = std::fabs(d0) <= tie, tie1 = std::fabs(d1) <= tie;
   if (tie0 || tie1 || (d0 < 0) == (d1 < 0)) {
-    // No crossing inside; surfaces that touch at one end are told apart at the other.
+    // Surfaces that touch at one end are told apart at the other.
     const bool nearer = tie0 && tie1 ? fresh.piece->face < old.piece->face : (tie0 ? d1 : d0) < 0;
     return show(nearer ? &fresh : &old, fresh, x0, x1);
   }

@@ -29,16 +29,17 @@ struct ScanLine {
   void covered(double width, std::vector<Interval>& out) const;
 };
 
-// `tie`: keys closer than this are one and the same surface, for coincident faces computed from different patches
-// differ by rounding only; the face with the lower index is then shown.
+// `depth_tie`: depths closer than this are one and the same surface, for coincident faces computed from different
+// patches differ by rounding only; the face with the lower index is then shown.
 //
 // Where two surfaces pass through each other the crossing is solved to 1e-6 px; a second crossing of the same two spans
 // within half a pixel along x may be missed. The order of insertion decides nothing. One per thread.
 class Visibility {
  public:
-  Visibility(double width, double tie) : width_(width), tie_(tie) {}
+  Visibility(const Camera& camera, double depth_tie) : camera_(camera), depth_tie_(depth_tie) {}
 
-  double tie() const { return tie_; }
+  // The difference of keys that stands for the depth tie, near a key.
+  double tie(double key) const { return camera_.perspective ? depth_tie_ * key * key : depth_tie_; }
   // Makes `span` compete with the segments.
   void insert(const Span& span, std::vector<VisibleSegment>& segments);
   // Appends the stretches of `span` that none of `segments` hides: how a transparent face lies before opaque ones.
@@ -48,20 +49,18 @@ class Visibility {
   struct Range {
     std::ptrdiff_t first, last;
   };
-  // A span's key at one x.
-  struct Probe {
-    double a, key;
-  };
 
   Range merge(const Span& span, const std::vector<VisibleSegment>& segments);
   void push(double x0, double x1, const Span* span);
-  const Span* decide(Interval fresh_key, Interval old_key, const Span& fresh, const Span& old) const;
+  const Span* decide(Interval fresh_key, Interval old_key, double tie, const Span& fresh, const Span& old) const;
   bool show(const Span* winner, const Span& fresh, double x0, double x1);
   bool compare(const Span& fresh, const Span& old, double x0, double x1);
-  bool compare(const Span& fresh, const Span& old, double x0, double x1, Probe f0, Probe f1, Probe o0, Probe o1);
+  bool compare_points(const Span& fresh, const Span& old, double x0, double x1);
+  bool cross(const Span& fresh, const Span& old, double x0, double x1, double d0, double d1, double tie);
   double solve_crossing(const Span& fresh, const Span& old, double x0, double x1, double d0, double d1) const;
 
-  double width_, tie_;
+  const Camera& camera_;
+  double depth_tie_;
   std::vector<VisibleSegment> merged_;
   bool shown_ = false;
 };

@@ -4,10 +4,11 @@
 #include "raster/solve_pixels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "hwy/foreach_target.h"
-#include "raster/lanes-inl.h"
+#include "raster/span_lanes-inl.h"
 #include "raster/shade.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,11 +16,11 @@ namespace nofacet {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr int kMaxKnots = 8;
 constexpr int kMaxKnotNewton = 8, kMaxPixelNewton = 4;
 // Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
 constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
-constexpr double kKnotStep = 1e-5;  // knots only guide: pixels are judged by themselves
+constexpr double kCentredTolerance = 1e-10;  // pixels
+constexpr double kKnotStep = 1e-4;  // knots only guide: pixels are judged by themselves
 
 // A cubic in t for first guesses between two knots.
 struct Cubic {
@@ -35,123 +36,136 @@ struct Cubic {
   }
 };
 
-// Along a span the parameters are smooth in this: x, or beside a fold the root of the distance from it.
-class SpanProgress {
- public:
-  explicit SpanProgress(const Span& span)
-      : fold0_(span.fold0), fold1_(span.fold1), x0_(span.x0), x1_(span.x1), scale_(1.0 / (span.x1 - span.x0)) {}
-
-  HWY_INLINE Vec at(Lanes d, Vec x) const {
-    const Vec zero = hn::Zero(d), one = hn::Set(d, 1.0), scale = hn::Set(d, scale_);
-    const Vec t = hn::Min(hn::Max(hn::Mul(hn::Sub(x, hn::Set(d, x0_)), scale), zero), one);
-    if (fold0_) return hn::Sqrt(t);
-    if (fold1_) return hn::Sub(one, hn::Sqrt(hn::Max(hn::Mul(hn::Sub(hn::Set(d, x1_), x), scale), zero)));
-    return t;
-  }
-  // dx / dprogress.
-  double rate(double progress) const {
-    const double length = 1.0 / scale_;
-    return fold0_ ? 2.0 * length * progress : fold1_ ? 2.0 * length * (1.0 - progress) : length;
-  }
-
- private:
-  bool fold0_, fold1_;
-  double x0_, x1_, scale_;
-};
-
 // What does not change from pixel to pixel of a piece.
 struct View {
   const Camera& camera;
   const Frame& frame;
   const Piece& piece;
   const float* color;
+  double half[3];  // unit vector between the key light and the eye (orthographic)
+
+  View(const Camera& c, const Frame& f, const Piece& p, const float* face_color)
+      : camera(c), frame(f), piece(p), color(face_color), half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
+    const double length = std::sqrt(Camera::dot(half, half));
+    for (double& h : half) h /= length;
+  }
 };
 
-// Screen position, surface normal (eye space, not normalised) and Newton step of one group of pixels.
+// Key, normal and Newton step of one group of pixels. The normal, in eye space, is that of the tangent plane's equation
+// key = nx x' + ny y' + const, scaled so that it points towards the eye and stays finite in single precision.
 struct Point {
   Vec key, nx, ny, nz, da, db;
   Mask accurate, regular;  // the step's remainder is small; the normal is sound
 };
 
 template <bool kRational>
-HWY_INLINE void newton_step(Lanes d, const View& view, const LaneJet& jet, Vec x, Vec y, double normal_tolerance,
-                            Point& out) {
+HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, const LaneJet& jet, Vec x, Vec y,
+                            double normal_tolerance, Point& out) {
   LaneScreen s;
   to_screen<kRational>(d, jet, s);
+  s.x = hn::Add(s.x, hn::Set(d, origin.x)), s.y = hn::Add(s.y, hn::Set(d, origin.y));
+  s.key = hn::Add(s.key, hn::Set(d, origin.key));
   const Vec j = hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya));
   const Vec inverse = hn::Div(hn::Set(d, 1.0), j);
   const Vec rx = hn::Sub(x, s.x), ry = hn::Sub(y, s.y);
   out.da = hn::Mul(hn::MulSub(rx, s.yb, hn::Mul(ry, s.xb)), inverse);
   out.db = hn::Mul(hn::MulSub(ry, s.xa, hn::Mul(rx, s.ya)), inverse);
+  out.key = hn::MulAdd(out.da, s.ka, hn::MulAdd(out.db, s.kb, s.key));
   const Vec step = hn::Max(hn::Abs(out.da), hn::Abs(out.db));
 
-  // The plane tangent to the surface: J dkey = by_x dx + by_y dy.
-  const Vec by_x = hn::MulSub(s.ka, s.yb, hn::Mul(s.kb, s.ya)), by_y = hn::MulSub(s.kb, s.xa, hn::Mul(s.ka, s.xb));
+  // The tangent plane's slopes: key grows by this along x and y, in pixels.
   const Camera& camera = view.camera;
-  const Vec scale = hn::Set(d, camera.scale);
   const bool perspective = kRational && camera.perspective;
+  const Vec scale = hn::Set(d, camera.scale);
   const Vec key_scale = perspective ? hn::Div(scale, hn::Abs(s.key)) : scale;
-  const Vec ux = hn::Mul(by_x, key_scale), uy = hn::Mul(by_y, key_scale), uj = hn::Abs(j);
-  // Towards the eye: the sign of J (orthographic: of -nz; perspective: -J is the product with the point itself).
-  const Vec side = hn::CopySignToAbs(hn::Set(d, 1.0), j);
+  const Vec by_x = hn::Mul(hn::MulSub(s.ka, s.yb, hn::Mul(s.kb, s.ya)), inverse);
+  const Vec by_y = hn::Mul(hn::MulSub(s.kb, s.xa, hn::Mul(s.ka, s.xb)), inverse);
+  const Vec ux = hn::Mul(by_x, key_scale), uy = hn::Mul(by_y, key_scale);
   if (perspective) {
     const Vec cx = hn::Set(d, 0.5 * camera.width), cy = hn::Set(d, 0.5 * camera.height);
-    const Vec nz = hn::MulAdd(hn::Sub(cx, s.x), by_x, hn::MulAdd(hn::Sub(cy, s.y), by_y, hn::Mul(s.key, j)));
-    out.nx = hn::Mul(side, hn::Mul(scale, by_x)), out.ny = hn::Mul(side, hn::Neg(hn::Mul(scale, by_y)));
-    out.nz = hn::Mul(side, nz);
+    const Vec nz = hn::MulAdd(hn::Sub(cx, s.x), by_x, hn::MulAdd(hn::Sub(cy, s.y), by_y, s.key));
+    const Vec size = hn::Abs(s.key);  // the key's unit is arbitrary
+    out.nx = ux, out.ny = hn::Neg(uy), out.nz = hn::Div(nz, size);
   } else {
-    out.nx = hn::Mul(side, ux), out.ny = hn::Neg(hn::Mul(side, uy)), out.nz = hn::Neg(uj);
+    out.nx = ux, out.ny = hn::Neg(uy), out.nz = hn::Set(d, -1.0);
   }
   const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(step, step)),
-                                hn::Add(uj, hn::Add(hn::Abs(ux), hn::Abs(uy))));
-  out.accurate = hn::Le(remainder, hn::Mul(hn::Set(d, kPixelTolerance), uj));
+                                hn::Add(hn::Set(d, 1.0), hn::Add(hn::Abs(ux), hn::Abs(uy))));
+  out.accurate = hn::Le(remainder, hn::Set(d, kPixelTolerance));
   const auto square3 = [&](Vec p, Vec q, Vec r) HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
   const Vec a2 = square3(s.xa, s.ya, hn::Mul(s.ka, key_scale)), b2 = square3(s.xb, s.yb, hn::Mul(s.kb, key_scale));
   // The tangents, taken before the step, differ from those after it by 2 bend step at most.
   const Vec turn = hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), step);
   out.accurate = hn::And(out.accurate, hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2)));
-  const Vec n2 = square3(ux, uy, j), degenerate = hn::Set(d, kDegenerate * kDegenerate);
+  const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(j, j)), degenerate = hn::Set(d, kDegenerate * kDegenerate);
   out.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
                         hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
 }
 
-// The buffers' values of a group of pixels.
+using FloatLanes = hn::Rebind<float, Lanes>;
+using FloatVec = hn::Vec<FloatLanes>;
+
 struct Shade {
-  Vec red, green, blue;
+  FloatVec red, green, blue;
 };
 
-// As shade() in raster/shade.h; `nx` .. `nz` a unit normal in eye space, `x` and `y` pixel positions.
+// As shade() in raster/shade.h, in single precision; `nx` .. `nz` a normal in eye space of any length, `x` and `y`
+// pixel positions.
 HWY_INLINE Shade shade_lanes(Lanes d, const View& view, Vec nx, Vec ny, Vec nz, Vec x, Vec y) {
-  const Camera& camera = view.camera;
-  const Vec one = hn::Set(d, 1.0), zero = hn::Zero(d);
-  const auto dot = [&](Vec px, Vec py, Vec pz) HWY_ATTR {
-    return hn::MulAdd(nx, px, hn::MulAdd(ny, py, hn::Mul(nz, pz)));
+  const FloatLanes df;
+  const auto set = [&](double value) HWY_ATTR { return hn::Set(df, float(value)); };
+  const auto square3 = [&](FloatVec p, FloatVec q, FloatVec r) HWY_ATTR {
+    return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r)));
   };
-  const Vec kx = hn::Set(d, kKeyLight[0]), ky = hn::Set(d, kKeyLight[1]), kz = hn::Set(d, kKeyLight[2]);
-  Vec ex = zero, ey = zero, ez = hn::Neg(one);  // towards the eye
-  Vec hx = kx, hy = ky, hz = hn::Set(d, kKeyLight[2] - 1.0), h2;
+  const Camera& camera = view.camera;
+  const FloatVec one = set(1.0), zero = hn::Zero(df);
+  FloatVec fx = hn::DemoteTo(df, nx), fy = hn::DemoteTo(df, ny), fz = hn::DemoteTo(df, nz);
+  const FloatVec inverse = hn::Div(one, hn::Sqrt(square3(fx, fy, fz)));
+  fx = hn::Mul(fx, inverse), fy = hn::Mul(fy, inverse), fz = hn::Mul(fz, inverse);
+  const auto dot = [&](FloatVec px, FloatVec py, FloatVec pz) HWY_ATTR {
+    return hn::MulAdd(fx, px, hn::MulAdd(fy, py, hn::Mul(fz, pz)));
+  };
+  FloatVec facing, gloss;
   if (camera.perspective) {
-    const Vec scale = hn::Set(d, camera.scale);
-    ex = hn::Sub(hn::Set(d, 0.5 * camera.width), x), ey = hn::Sub(y, hn::Set(d, 0.5 * camera.height));
-    const Vec length = hn::Sqrt(hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(scale, scale))));
-    const Vec inverse = hn::Div(one, length);
-    ex = hn::Mul(ex, inverse), ey = hn::Mul(ey, inverse), ez = hn::Neg(hn::Mul(scale, inverse));
-    hx = hn::Add(kx, ex), hy = hn::Add(ky, ey), hz = hn::Add(kz, ez);
+    const FloatVec scale = set(camera.scale);
+    FloatVec ex = hn::DemoteTo(df, hn::Sub(hn::Set(d, 0.5 * camera.width), x));
+    FloatVec ey = hn::DemoteTo(df, hn::Sub(y, hn::Set(d, 0.5 * camera.height))), ez = hn::Neg(scale);
+    const FloatVec length = hn::Div(one, hn::Sqrt(square3(ex, ey, ez)));
+    ex = hn::Mul(ex, length), ey = hn::Mul(ey, length), ez = hn::Mul(ez, length);
+    facing = dot(ex, ey, ez);
+    const FloatVec hx = hn::Add(ex, set(kKeyLight[0])), hy = hn::Add(ey, set(kKeyLight[1]));
+    const FloatVec hz = hn::Add(ez, set(kKeyLight[2]));
+    gloss = hn::Div(dot(hx, hy, hz), hn::Sqrt(square3(hx, hy, hz)));
+  } else {
+    facing = fz;
+    gloss = dot(set(view.half[0]), set(view.half[1]), set(view.half[2]));
   }
-  h2 = hn::MulAdd(hx, hx, hn::MulAdd(hy, hy, hn::Mul(hz, hz)));
-  const Vec facing = hn::Min(one, hn::Abs(dot(ex, ey, ez)));
-  const Vec key = hn::Max(zero, dot(kx, ky, kz));
-  const Vec up = dot(hn::Set(d, camera.right[2]), hn::Set(d, camera.up[2]), hn::Set(d, camera.forward[2]));
-  const Vec gloss = hn::Max(zero, hn::Div(dot(hx, hy, hz), hn::Sqrt(h2)));
-  const Vec g2 = hn::Mul(gloss, gloss), g4 = hn::Mul(g2, g2), g8 = hn::Mul(g4, g4), g16 = hn::Mul(g8, g8);
-  Vec diffuse = hn::MulAdd(hn::Set(d, 0.5 * kSky), up, hn::Set(d, kAmbient + 0.5 * kSky));
-  diffuse = hn::MulAdd(hn::Set(d, kFacing), facing, diffuse);
-  diffuse = hn::MulAdd(hn::Set(d, kKey), key, diffuse);
-  const Vec highlight = hn::Mul(hn::Set(d, kGloss), hn::Mul(g16, g16));
+  facing = hn::Min(one, hn::Abs(facing)), gloss = hn::Max(zero, gloss);
+  const FloatVec key = hn::Max(zero, dot(set(kKeyLight[0]), set(kKeyLight[1]), set(kKeyLight[2])));
+  const FloatVec up = dot(set(camera.right[2]), set(camera.up[2]), set(camera.forward[2]));
+  const FloatVec g2 = hn::Mul(gloss, gloss), g4 = hn::Mul(g2, g2), g8 = hn::Mul(g4, g4), g16 = hn::Mul(g8, g8);
+  FloatVec diffuse = hn::MulAdd(set(0.5 * kSky), up, set(kAmbient + 0.5 * kSky));
+  diffuse = hn::MulAdd(set(kFacing), facing, diffuse);
+  diffuse = hn::MulAdd(set(kKey), key, diffuse);
+  const FloatVec highlight = hn::Mul(set(kGloss), hn::Mul(g16, g16));
   const auto channel = [&](int c) HWY_ATTR {
-    return hn::Min(one, hn::MulAdd(hn::Set(d, double(view.color[c])), diffuse, highlight));
+    return hn::Min(one, hn::MulAdd(hn::Set(df, view.color[c]), diffuse, highlight));
   };
   return {channel(0), channel(1), channel(2)};
+}
+
+HWY_INLINE void write_normal(Lanes d, const View& view, std::size_t at, int count, Vec nx, Vec ny, Vec nz) {
+  const FloatLanes df;
+  const Vec length2 = hn::MulAdd(nx, nx, hn::MulAdd(ny, ny, hn::Mul(nz, nz)));
+  const Vec inverse = hn::Div(hn::Set(d, 1.0), hn::Sqrt(length2));
+  const auto world = [&](int c) HWY_ATTR {
+    const Camera& camera = view.camera;
+    const Vec r = hn::Set(d, camera.right[c]), u = hn::Set(d, camera.up[c]), f = hn::Set(d, camera.forward[c]);
+    return hn::DemoteTo(df, hn::Mul(inverse, hn::MulAdd(nx, r, hn::MulAdd(ny, u, hn::Mul(nz, f)))));
+  };
+  HWY_ALIGN float part[3 * 8];
+  hn::StoreInterleaved3(world(0), world(1), world(2), df, part);
+  std::copy_n(part, 3 * count, view.frame.normal + 3 * at);
 }
 
 // Writes the colour, normal and depth of the `count` pixels from index `at` of the frame on.
@@ -169,28 +183,15 @@ HWY_INLINE void write_lanes(Lanes d, const View& view, std::size_t at, int count
       std::copy_n(part, count, frame.depth + at);
     }
   }
-  if (!frame.color && !frame.normal) return;
-  const Vec length2 = hn::MulAdd(nx, nx, hn::MulAdd(ny, ny, hn::Mul(nz, nz)));
-  const Vec inverse = hn::Div(hn::Set(d, 1.0), hn::Sqrt(length2));
-  nx = hn::Mul(nx, inverse), ny = hn::Mul(ny, inverse), nz = hn::Mul(nz, inverse);
-  const hn::Rebind<float, Lanes> df;
-  HWY_ALIGN float part[4 * 8];
   if (frame.color) {
+    const FloatLanes df;
     const Shade rgb = shade_lanes(d, view, nx, ny, nz, x, y);
-    const auto red = hn::DemoteTo(df, rgb.red), green = hn::DemoteTo(df, rgb.green), blue = hn::DemoteTo(df, rgb.blue);
     float* out = frame.color + 4 * at;
-    hn::StoreInterleaved4(red, green, blue, hn::Set(df, 1.0f), df, count == width ? out : part);
+    HWY_ALIGN float part[4 * 8];
+    hn::StoreInterleaved4(rgb.red, rgb.green, rgb.blue, hn::Set(df, 1.0f), df, count == width ? out : part);
     if (count != width) std::copy_n(part, 4 * count, out);
   }
-  if (frame.normal) {
-    const auto world = [&](int c) HWY_ATTR {
-      const Camera& camera = view.camera;
-      const Vec r = hn::Set(d, camera.right[c]), u = hn::Set(d, camera.up[c]), f = hn::Set(d, camera.forward[c]);
-      return hn::DemoteTo(df, hn::MulAdd(nx, r, hn::MulAdd(ny, u, hn::Mul(nz, f))));
-    };
-    hn::StoreInterleaved3(world(0), world(1), world(2), df, part);
-    std::copy_n(part, 3 * count, frame.normal + 3 * at);
-  }
+  if (frame.normal) write_normal(d, view, at, count, nx, ny, nz);
 }
 
 // A whole piece whose key plane is exact: depth is linear and the normal the same everywhere.
@@ -199,9 +200,10 @@ void SolvePlanar(const View& view, const PixelJob* jobs, std::size_t count) {
   const Camera& camera = view.camera;
   const KeyPlane& plane = view.piece.key_plane;
   const int width = int(hn::Lanes(d));
-  const double nz =
-      camera.perspective ? plane.by_x * 0.5 * camera.width + plane.by_y * 0.5 * camera.height + plane.at : -1.0;
-  const Vec nx = hn::Set(d, camera.scale * plane.by_x), ny = hn::Set(d, -camera.scale * plane.by_y);
+  const double at_centre = plane.key(0.5 * camera.width, 0.5 * camera.height);
+  const double size = camera.perspective ? std::max(std::fabs(at_centre), view.piece.key.magnitude()) : 1.0;
+  const double nz = camera.perspective ? at_centre / size : -1.0;
+  const Vec nx = hn::Set(d, camera.scale * plane.by_x / size), ny = hn::Set(d, -camera.scale * plane.by_y / size);
   const Vec along = hn::Set(d, plane.by_x), step = hn::Set(d, double(width));
   for (const PixelJob *job = jobs, *end = jobs + count; job != end; ++job) {
     const Vec y = hn::Set(d, job->row + 0.5), level = hn::Set(d, plane.at + plane.by_y * (job->row + 0.5));
@@ -214,86 +216,125 @@ void SolvePlanar(const View& view, const PixelJob* jobs, std::size_t count) {
   }
 }
 
+// Pixels solved first, between which the parameters are guessed by cubics: the first and the last of each job and some
+// between. Those of all jobs on a piece are solved together, a knot in each lane.
+struct Knots {
+  static constexpr int kSpacing = 16;  // pixels; a whole number of vectors
+
+  std::vector<double> x, y, progress, a, b;
+  std::vector<double> a_lo, a_hi;              // of the knot's span
+  std::vector<double> a_slope, b_slope, rate;  // da and db by the progress; dx / dprogress
+
+  static int intervals(const PixelJob& job) { return std::max(1, (job.last - job.first - 1 + kSpacing - 1) / kSpacing); }
+
+  void gather(const PixelJob* jobs, std::size_t count) {
+    for (std::vector<double>* list : lists()) list->clear();
+    for (const PixelJob *job = jobs, *end = jobs + count; job != end; ++job) {
+      const int n = intervals(*job), last = job->last - job->first - 1;
+      for (int k = 0; k <= n; ++k) add(*job, job->first + 0.5 + std::min(k * kSpacing, last));
+    }
+    const std::size_t size = x.size();
+    for (std::vector<double>* list : lists()) {
+      list->resize((size + 7) / 8 * 8, list->back());
+    }
+  }
+
+ private:
+  std::array<std::vector<double>*, 10> lists() {
+    return {&x, &y, &progress, &a, &b, &a_lo, &a_hi, &a_slope, &b_slope, &rate};
+  }
+  void add(const PixelJob& job, double at) {
+    const Span& span = *job.span;
+    const SpanProgress along(span);
+    const double t = along.at(at);
+    x.push_back(at), y.push_back(job.row + 0.5), progress.push_back(t);
+    a.push_back(span.a0 + t * (span.a1 - span.a0)), b.push_back(span.b0 + t * (span.b1 - span.b0));
+    a_lo.push_back(std::min(span.a0, span.a1)), a_hi.push_back(std::max(span.a0, span.a1));
+    a_slope.push_back(0.0), b_slope.push_back(0.0), rate.push_back(along.rate(t));
+  }
+};
+
+// NetKind: Net or CentredNet.
+template <class NetKind>
 struct SolveCurved {
   const View& view;
+  const NetKind& net;
   const PixelJob* jobs;
   std::size_t count;
   std::vector<PixelJob>& failed;
 
   template <int kN, int kM, bool kRational>
   HWY_ATTR void operator()() const {
-    for (std::size_t k = 0; k < count; ++k) solve<kN, kM, kRational>(jobs[k]);
+    thread_local Knots knots;
+    knots.gather(jobs, count);
+    solve_knots<kN, kM, kRational>(knots);
+    std::size_t first_knot = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      solve<kN, kM, kRational>(jobs[k], knots, first_knot);
+      first_knot += Knots::intervals(jobs[k]) + 1;
+    }
   }
 
  private:
-  // The parameters' box of one span.
-  struct Box {
-    Vec a_lo, a_hi, b_lo, b_hi;
-
-    HWY_INLINE Box(Lanes d, const Span& span)
-        : a_lo(hn::Set(d, std::min(span.a0, span.a1))),
-          a_hi(hn::Set(d, std::max(span.a0, span.a1))),
-          b_lo(hn::Zero(d)),
-          b_hi(hn::Set(d, 1.0)) {}
-    HWY_INLINE void clamp(Vec& a, Vec& b) const {
-      a = hn::Min(hn::Max(a, a_lo), a_hi), b = hn::Min(hn::Max(b, b_lo), b_hi);
-    }
-    HWY_INLINE Mask contains(Vec a, Vec b) const {
-      return hn::And(hn::And(hn::Ge(a, a_lo), hn::Le(a, a_hi)), hn::And(hn::Ge(b, b_lo), hn::Le(b, b_hi)));
-    }
-  };
-
   template <int kN, int kM, bool kRational>
-  HWY_INLINE void solve(const PixelJob& job) const {
+  HWY_INLINE void solve_knots(Knots& knots) const {
     const Lanes d;
-    const int width = int(hn::Lanes(d)), length = job.last - job.first;
-    const Span& span = *job.span;
-    const Box box(d, span);
-    const SpanProgress progress(span);
-    const Vec lane = hn::Iota(d, 0.0);
-    // Knots every `spacing` pixels, a whole number of vectors apart, and at the last pixel.
-    const int spacing = width * ((length - 1 + width * (kMaxKnots - 1) - 1) / (width * (kMaxKnots - 1)));
-    Cubic guess_a{span.a0, span.a1 - span.a0, 0, 0}, guess_b{span.b0, span.b1 - span.b0, 0, 0};
-    Knots knots;
-    const bool with_knots = length > 2 * width;
-    if (with_knots) find_knots<kN, kM, kRational>(job, spacing, box, progress, knots);
-    double from = 0.0, scale = 1.0;  // of the progress within one interval
-    for (int offset = 0; offset < length; offset += width) {
-      if (with_knots && offset % spacing == 0) {
-        const int k = std::min(offset / spacing, knots.count - 2);
-        const double h = knots.progress[k + 1] - knots.progress[k];
-        from = knots.progress[k], scale = 1.0 / h;
-        guess_a = Cubic::hermite(knots.a[k], h * knots.a_slope[k], knots.a[k + 1], h * knots.a_slope[k + 1]);
-        guess_b = Cubic::hermite(knots.b[k], h * knots.b_slope[k], knots.b[k + 1], h * knots.b_slope[k + 1]);
-      }
-      const int px = job.first + offset;
-      const Vec x = hn::Min(hn::Add(lane, hn::Set(d, px + 0.5)), hn::Set(d, job.last - 0.5));
-      const Vec t = hn::Mul(hn::Sub(progress.at(d, x), hn::Set(d, from)), hn::Set(d, scale));
-      solve_vector<kN, kM, kRational>(job, px, box, x, guess_a.at(d, t), guess_b.at(d, t));
+    for (std::size_t k = 0; k < knots.x.size(); k += hn::Lanes(d)) {
+      const SpanBox box(d, hn::LoadU(d, knots.a_lo.data() + k), hn::LoadU(d, knots.a_hi.data() + k));
+      Vec a = hn::LoadU(d, knots.a.data() + k), b = hn::LoadU(d, knots.b.data() + k);
+      LaneScreen s;
+      solve_on_span<kN, kM, kRational>(d, net, box, hn::LoadU(d, knots.x.data() + k),
+                                       hn::LoadU(d, knots.y.data() + k), kMaxKnotNewton, kKnotStep, a, b, s);
+      const Vec rate = hn::LoadU(d, knots.rate.data() + k);
+      const Vec scale = hn::Div(rate, hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya)));
+      hn::StoreU(a, d, knots.a.data() + k), hn::StoreU(b, d, knots.b.data() + k);
+      hn::StoreU(hn::Mul(s.yb, scale), d, knots.a_slope.data() + k);
+      hn::StoreU(hn::Neg(hn::Mul(s.ya, scale)), d, knots.b_slope.data() + k);
     }
   }
 
   template <int kN, int kM, bool kRational>
-  HWY_INLINE void solve_vector(const PixelJob& job, int px, const Box& box, Vec x, Vec a, Vec b) const {
+  HWY_INLINE void solve(const PixelJob& job, const Knots& knots, std::size_t knot) const {
+    const Lanes d;
+    const int width = int(hn::Lanes(d));
+    const Span& span = *job.span;
+    const SpanBox box(d, hn::Set(d, std::min(span.a0, span.a1)), hn::Set(d, std::max(span.a0, span.a1)));
+    const SpanProgress progress(span);
+    const Vec lane = hn::Iota(d, 0.5), right = hn::Set(d, job.last - 0.5);
+    for (int first = job.first; first < job.last; first += Knots::kSpacing, ++knot) {
+      // Of the last interval's right end: one more pixel may belong to it.
+      const bool closes = first + Knots::kSpacing >= job.last - 1;
+      const int last = closes ? job.last : first + Knots::kSpacing;
+      const double from = knots.progress[knot], h = knots.progress[knot + 1] - from;
+      const Cubic guess_a = Cubic::hermite(knots.a[knot], h * knots.a_slope[knot], knots.a[knot + 1], h * knots.a_slope[knot + 1]);
+      const Cubic guess_b = Cubic::hermite(knots.b[knot], h * knots.b_slope[knot], knots.b[knot + 1], h * knots.b_slope[knot + 1]);
+      const Vec start = hn::Set(d, from), scale = hn::Set(d, h > 0.0 ? 1.0 / h : 0.0);
+      for (int px = first; px < last; px += width) {
+        const Vec x = hn::Min(hn::Add(lane, hn::Set(d, double(px))), right);
+        const Vec t = hn::Mul(hn::Sub(progress.at(d, x), start), scale);
+        solve_vector<kN, kM, kRational>(job, px, std::min(width, last - px), box, x, guess_a.at(d, t), guess_b.at(d, t));
+      }
+      if (closes) break;
+    }
+  }
+
+  template <int kN, int kM, bool kRational>
+  HWY_INLINE void solve_vector(const PixelJob& job, int px, int count, const SpanBox& box, Vec x, Vec a, Vec b) const {
     const Lanes d;
     const Vec y = hn::Set(d, job.row + 0.5);
     const double normal_tolerance = view.frame.normal ? kNormalTolerance : kShadeTolerance;
+    const Origin origin = origin_of(net);
     LaneJet jet;
     Point point;
     for (int iteration = 1;; ++iteration) {
       box.clamp(a, b);
-      evaluate_lanes<kN, kM, kRational>(d, view.piece.net, a, b, jet);
-      newton_step<kRational>(d, view, jet, x, y, normal_tolerance, point);
+      evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
+      newton_step<kRational>(d, view, origin, jet, x, y, normal_tolerance, point);
       a = hn::Add(a, point.da), b = hn::Add(b, point.db);
       if (iteration == kMaxPixelNewton || hn::AllTrue(d, point.accurate)) break;
     }
-    Vec key = hn::MulAdd(point.da, jet.pa[kZ], hn::MulAdd(point.db, jet.pb[kZ], jet.p[kZ]));
-    if constexpr (kRational) {
-      key = hn::Div(key, hn::MulAdd(point.da, jet.pa[kW], hn::MulAdd(point.db, jet.pb[kW], jet.p[kW])));
-    }
-    const int count = std::min(int(hn::Lanes(d)), job.last - px);
     const std::size_t at = std::size_t(job.row) * view.frame.width + px;
-    write_lanes(d, view, at, count, key, point.nx, point.ny, point.nz, x, y);
+    write_lanes(d, view, at, count, point.key, point.nx, point.ny, point.nz, x, y);
     if (view.frame.uv) write_uv(d, at, count, a, b);
     const Mask sound = hn::And(hn::And(point.accurate, point.regular), box.contains(a, b));
     if (!hn::AllTrue(d, sound)) queue_failed(d, job, px, count, sound);
@@ -314,59 +355,19 @@ struct SolveCurved {
       if (flags[k] == 0.0) failed.push_back({job.span, job.row, px + k, px + k + 1});
     }
   }
-
-  // Points of the span, solved first; between them the parameters are guessed by cubics.
-  struct Knots {
-    int count;
-    HWY_ALIGN double x[kMaxKnots], progress[kMaxKnots], a[kMaxKnots], b[kMaxKnots];
-    HWY_ALIGN double a_slope[kMaxKnots], b_slope[kMaxKnots];  // by the progress
-  };
-
-  template <int kN, int kM, bool kRational>
-  HWY_INLINE void find_knots(const PixelJob& job, int spacing, const Box& box, const SpanProgress& progress,
-                             Knots& knots) const {
-    const Lanes d;
-    const Span& span = *job.span;
-    const int last = job.last - job.first - 1;
-    knots.count = (last + spacing - 1) / spacing + 1;
-    for (int k = 0; k < kMaxKnots; ++k) knots.x[k] = job.first + 0.5 + std::min(k * spacing, last);
-    const Vec y = hn::Set(d, job.row + 0.5);
-    for (int k = 0; k < knots.count; k += int(hn::Lanes(d))) {
-      const Vec x = hn::Load(d, knots.x + k), t = progress.at(d, x);
-      Vec a = hn::MulAdd(t, hn::Set(d, span.a1 - span.a0), hn::Set(d, span.a0));
-      Vec b = hn::MulAdd(t, hn::Set(d, span.b1 - span.b0), hn::Set(d, span.b0));
-      LaneScreen s;
-      for (int iteration = 1;; ++iteration) {
-        LaneJet jet;
-        evaluate_lanes<kN, kM, kRational>(d, view.piece.net, a, b, jet);
-        to_screen<kRational>(d, jet, s);
-        const Vec inverse = hn::Div(hn::Set(d, 1.0), hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya)));
-        const Vec rx = hn::Sub(x, s.x), ry = hn::Sub(y, s.y);
-        const Vec da = hn::Mul(hn::MulSub(rx, s.yb, hn::Mul(ry, s.xb)), inverse);
-        const Vec db = hn::Mul(hn::MulSub(ry, s.xa, hn::Mul(rx, s.ya)), inverse);
-        a = hn::Add(a, da), b = hn::Add(b, db);
-        box.clamp(a, b);
-        const Vec step = hn::Max(hn::Abs(da), hn::Abs(db));
-        if (iteration < kMaxKnotNewton && !hn::AllTrue(d, hn::Lt(step, hn::Set(d, kKnotStep)))) continue;
-        hn::Store(a, d, knots.a + k), hn::Store(b, d, knots.b + k);
-        hn::Store(t, d, knots.progress + k);
-        hn::Store(hn::Mul(s.yb, inverse), d, knots.a_slope + k);
-        hn::Store(hn::Neg(hn::Mul(s.ya, inverse)), d, knots.b_slope + k);
-        break;
-      }
-    }
-    for (int k = 0; k < knots.count; ++k) {
-      const double rate = progress.rate(knots.progress[k]);
-      knots.a_slope[k] *= rate, knots.b_slope[k] *= rate;
-    }
-  }
 };
 
 void SolvePixels(const Camera& camera, const Frame& frame, const Piece& piece, const float* color, const PixelJob* jobs,
                  std::size_t count, std::vector<PixelJob>& failed) {
-  const View view{camera, frame, piece, color};
+  const View view(camera, frame, piece, color);
   if (piece.planar && !frame.uv) return SolvePlanar(view, jobs, count);
-  for_degrees(piece.net.n, piece.net.m, piece.rational, SolveCurved{view, jobs, count, failed});
+  thread_local std::vector<double> storage;
+  const CentredNet centred = centre_net(piece.net, storage);
+  if (centred.error < kCentredTolerance) {
+    for_degrees(piece.net.n, piece.net.m, piece.rational, SolveCurved<CentredNet>{view, centred, jobs, count, failed});
+  } else {
+    SolveCurved<Net>{view, piece.net, jobs, count, failed}.template operator()<-1, -1, true>();
+  }
 }
 
 }  // namespace

@@ -53,4 +53,14 @@ void solve_sample(const Span& span, double x, double y, SurfaceSample* sample);
 // Key of the span at x, and the parameter a there.
 double key_at(const Span& span, double x, double* a);
 
+// The same at several x at once, ascending.
+struct SpanKeys {
+  static constexpr int kCount = 8;
+
+  double a[kCount], key[kCount];
+};
+void keys_at(const Span& span, const double x[SpanKeys::kCount], SpanKeys* out);
+// A last Newton step below this leaves an error of its square.
+inline constexpr double kSpanKeyStep = 1e-7;
+
 }  // namespace nofacet
