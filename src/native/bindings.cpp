@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "bezier/bernstein.h"
+#include "extent.h"
 #include "methods.h"
 
 namespace nb = nanobind;
@@ -24,51 +25,85 @@ using Array = nb::ndarray<const T, nb::c_contig, nb::device::cpu, Shape...>;
 template <class T>
 using Buffer = std::optional<nb::ndarray<T, nb::c_contig, nb::device::cpu>>;
 
-// The prepared scene and the Python arrays it looks into.
+// Python arrays that C++ looks into.
+using Kept = std::vector<nb::object>;
+
+// The prepared scene and the arrays it looks into.
 struct BoundScene {
-  std::vector<nb::object> kept;
+  Kept kept;
   std::unique_ptr<Scene> scene;
 };
 
 template <class T, class... Shape>
-const T* field(BoundScene& bound, nb::handle owner, const char* name, std::size_t* count = nullptr) {
+const T* field(Kept& kept, nb::handle owner, const char* name, std::size_t* count = nullptr) {
   nb::object object = owner.attr(name);
   const auto array = nb::cast<Array<T, Shape...>>(object);
-  bound.kept.push_back(object);
+  kept.push_back(object);
   if (count) *count = array.shape(0);
   return array.data();
 }
 
-PatchGroup patch_group(BoundScene& bound, nb::handle source) {
+PatchGroup patch_group(Kept& kept, nb::handle source) {
   PatchGroup group;
-  group.control_points = field<double, nb::shape<-1, -1, -1, 4>>(bound, source, "control_points", &group.count);
+  group.control_points = field<double, nb::shape<-1, -1, -1, 4>>(kept, source, "control_points", &group.count);
   const auto points = nb::cast<Array<double>>(source.attr("control_points"));
   group.degree_u = int(points.shape(1)) - 1;
   group.degree_v = int(points.shape(2)) - 1;
   if (group.degree_u < 1 || group.degree_v < 1 || group.degree_u > kMaxDegree || group.degree_v > kMaxDegree) {
     throw std::invalid_argument("patch degrees must be between 1 and " + std::to_string(kMaxDegree));
   }
-  group.definition = field<int32_t, nb::shape<-1>>(bound, source, "definition");
-  group.domain = field<double, nb::shape<-1, 4>>(bound, source, "domain");
-  group.angular = field<uint8_t, nb::shape<-1, 2>>(bound, source, "angular");
+  group.definition = field<int32_t, nb::shape<-1>>(kept, source, "definition");
+  group.domain = field<double, nb::shape<-1, 4>>(kept, source, "domain");
+  group.angular = field<uint8_t, nb::shape<-1, 2>>(kept, source, "angular");
   return group;
+}
+
+Model model_view(Kept& kept, nb::handle source) {
+  Model model;
+  for (nb::handle group : source.attr("groups")) model.groups.push_back(patch_group(kept, group));
+  model.trimmed = field<uint8_t, nb::shape<-1>>(kept, source, "trimmed", &model.definition_count);
+  model.definition_loops = field<int64_t, nb::shape<-1>>(kept, source, "definition_loops");
+  model.loop_offsets = field<int64_t, nb::shape<-1>>(kept, source, "loop_offsets");
+  model.segment_offsets = field<int64_t, nb::shape<-1>>(kept, source, "segment_offsets");
+  model.segment_points = field<double, nb::shape<-1, 3>>(kept, source, "segment_points");
+  model.segment_edge = field<int32_t, nb::shape<-1>>(kept, source, "segment_edge");
+  model.face_definition = field<int32_t, nb::shape<-1>>(kept, source, "face_definition", &model.face_count);
+  model.face_placement = field<int32_t, nb::shape<-1>>(kept, source, "face_placement");
+  model.placements = field<double, nb::shape<-1, 4, 4>>(kept, source, "placements");
+  model.face_color = field<float, nb::shape<-1, 4>>(kept, source, "face_color");
+  return model;
 }
 
 void init_scene(BoundScene* self, nb::handle source) {
   new (self) BoundScene();
-  Model model;
-  for (nb::handle group : source.attr("groups")) model.groups.push_back(patch_group(*self, group));
-  model.trimmed = field<uint8_t, nb::shape<-1>>(*self, source, "trimmed", &model.definition_count);
-  model.definition_loops = field<int64_t, nb::shape<-1>>(*self, source, "definition_loops");
-  model.loop_offsets = field<int64_t, nb::shape<-1>>(*self, source, "loop_offsets");
-  model.segment_offsets = field<int64_t, nb::shape<-1>>(*self, source, "segment_offsets");
-  model.segment_points = field<double, nb::shape<-1, 3>>(*self, source, "segment_points");
-  model.segment_edge = field<int32_t, nb::shape<-1>>(*self, source, "segment_edge");
-  model.face_definition = field<int32_t, nb::shape<-1>>(*self, source, "face_definition", &model.face_count);
-  model.face_placement = field<int32_t, nb::shape<-1>>(*self, source, "face_placement");
-  model.placements = field<double, nb::shape<-1, 4, 4>>(*self, source, "placements");
-  model.face_color = field<float, nb::shape<-1, 4>>(*self, source, "face_color");
-  self->scene = std::make_unique<Scene>(std::move(model));
+  self->scene = std::make_unique<Scene>(model_view(self->kept, source));
+}
+
+// A numpy array that owns a vector.
+template <class T, class Shape>
+auto owned(std::vector<T>&& values, Shape shape) {
+  auto* kept = new std::vector<T>(std::move(values));
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(kept->data(), shape.size(), shape.begin(), owner);
+}
+template <class T>
+auto owned(std::vector<T>&& values) {
+  const std::size_t count = values.size();
+  return owned(std::move(values), std::initializer_list<std::size_t>{count});
+}
+
+nb::tuple surface_points_of(nb::handle source) {
+  Kept kept;
+  SurfacePoints points = surface_points(model_view(kept, source));
+  const std::size_t count = points.xyz.size() / 3;
+  return nb::make_tuple(owned(std::move(points.xyz), std::initializer_list<std::size_t>{count, 3}),
+                        owned(std::vector<int64_t>(points.first.begin(), points.first.end())));
+}
+
+auto support_of(nb::handle source, Array<double, nb::shape<-1, 3>> directions) {
+  Kept kept;
+  const Model model = model_view(kept, source);
+  return owned(support(model, surface_points(model), directions.data(), directions.shape(0)));
 }
 
 template <class T>
@@ -135,4 +170,8 @@ NB_MODULE(_native, module) {
            nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
+  module.def("surface_points", &surface_points_of, nb::arg("model"),
+             "Samples (N, 3) of the drawn surface, by definition, and where each definition's begin (D + 1,).");
+  module.def("support", &support_of, nb::arg("model"), nb::arg("directions"),
+             "How far the placed faces reach in world directions (n, 3): (n,).");
 }

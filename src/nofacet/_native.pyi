@@ -1,8 +1,13 @@
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .model import Model
 
 def method_names() -> list[str]: ...
+def surface_points(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+def support(model: Model, directions: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 class Scene:
     def __init__(self, model: Model) -> None: ...
