@@ -13,6 +13,7 @@
 
 #include "bezier/bernstein.h"
 #include "extent.h"
+#include "extract/stream_scan.h"
 #include "methods.h"
 
 namespace nb = nanobind;
@@ -92,6 +93,9 @@ auto owned(std::vector<T>&& values) {
   return owned(std::move(values), std::initializer_list<std::size_t>{count});
 }
 
+// A numpy array of bool.
+auto owned_flags(std::vector<uint8_t>&& values) { return nb::object(nb::cast(owned(std::move(values))).attr("view")("?")); }
+
 nb::tuple surface_points_of(nb::handle source) {
   Kept kept;
   SurfacePoints points = surface_points(model_view(kept, source));
@@ -157,6 +161,42 @@ std::vector<std::string> method_names() {
   return names;
 }
 
+Bytes bytes_of(const nb::bytes& data) { return {static_cast<const unsigned char*>(data.data()), data.size()}; }
+
+nb::tuple columns(CurveScan&& scan) {
+  return nb::make_tuple(owned(std::move(scan.start)), owned(std::move(scan.kind)), owned(std::move(scan.at)));
+}
+
+nb::tuple scan_curves_of(const nb::bytes& data, std::size_t at, int dim, std::size_t count) {
+  CurveScan scan = scan_curves(bytes_of(data), dim, count, &at);
+  return nb::make_tuple(owned(std::move(scan.start)), owned(std::move(scan.kind)), owned(std::move(scan.at)), at);
+}
+
+nb::tuple scan_surfaces_of(const nb::bytes& data, std::size_t at, std::size_t count) {
+  SurfaceScan scan = scan_surfaces(bytes_of(data), count, &at);
+  return nb::make_tuple(
+      nb::make_tuple(owned(std::move(scan.start)), owned(std::move(scan.kind)), owned(std::move(scan.at))),
+      columns(std::move(scan.profiles)), owned(std::move(scan.profile)), at);
+}
+
+nb::tuple scan_shapes_of(const nb::bytes& data, std::size_t at, std::size_t count) {
+  ShapeScan s = scan_shapes(bytes_of(data), count, &at);
+  return nb::make_tuple(
+      owned(std::move(s.kinds)),
+      nb::make_tuple(owned(std::move(s.child_offsets)), owned(std::move(s.child_orientation)),
+                     owned(std::move(s.child_shape)), owned(std::move(s.child_location))),
+      nb::make_tuple(owned(std::move(s.face_surface)), owned(std::move(s.face_location)),
+                     owned(std::move(s.face_triangulation))),
+      nb::make_tuple(owned(std::move(s.edge_tolerance)), owned_flags(std::move(s.edge_degenerated)),
+                     owned(std::move(s.edge_curve)), owned(std::move(s.edge_location)), owned(std::move(s.edge_first)),
+                     owned(std::move(s.edge_last))),
+      nb::make_tuple(owned(std::move(s.pcurve_offsets)), owned(std::move(s.pcurve_curve)),
+                     owned(std::move(s.pcurve_second)), owned(std::move(s.pcurve_surface)),
+                     owned(std::move(s.pcurve_location)), owned(std::move(s.pcurve_first)),
+                     owned(std::move(s.pcurve_last))),
+      at);
+}
+
 }  // namespace
 
 NB_MODULE(_native, module) {
@@ -174,4 +214,10 @@ NB_MODULE(_native, module) {
              "Samples (N, 3) of the drawn surface, by definition, and where each definition's begin (D + 1,).");
   module.def("support", &support_of, nb::arg("model"), nb::arg("directions"),
              "How far the placed faces reach in world directions (n, 3): (n,).");
+  module.def("scan_curves", &scan_curves_of, nb::arg("data"), nb::arg("at"), nb::arg("dim"), nb::arg("count"),
+             "The columns of CurveScan, and the byte behind the records.");
+  module.def("scan_surfaces", &scan_surfaces_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),
+             "The columns of SurfaceScan: surfaces, profiles, profile of each; and the byte behind the records.");
+  module.def("scan_shapes", &scan_shapes_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),
+             "The columns of ShapeScan: kinds, children, faces, edges, pcurves; and the byte behind the records.");
 }
