@@ -13,6 +13,7 @@
 
 #include "bezier/bernstein.h"
 #include "extent.h"
+#include "extract/blossom.h"
 #include "extract/stream_scan.h"
 #include "methods.h"
 
@@ -161,6 +162,20 @@ std::vector<std::string> method_names() {
   return names;
 }
 
+using Column = Array<double, nb::shape<-1>>;
+
+void bezier_points(nb::ndarray<double, nb::shape<-1, -1, -1>, nb::c_contig, nb::device::cpu> points,
+                   Array<double, nb::shape<-1, -1>> knots, Column start, Column stop) {
+  const int degree = int(points.shape(1)) - 1;
+  const std::size_t count = points.shape(2);
+  if (degree < 1 || degree > kMaxDegree) throw std::invalid_argument("a spline's degree is out of range");
+  if (knots.shape(0) != std::size_t(2 * degree) || knots.shape(1) != count || start.size() != count ||
+      stop.size() != count) {
+    throw std::invalid_argument("columns of different lengths");
+  }
+  blossom(points.data(), points.shape(0), degree, count, knots.data(), start.data(), stop.data());
+}
+
 Bytes bytes_of(const nb::bytes& data) { return {static_cast<const unsigned char*>(data.data()), data.size()}; }
 
 nb::tuple columns(CurveScan&& scan) {
@@ -214,6 +229,8 @@ NB_MODULE(_native, module) {
              "Samples (N, 3) of the drawn surface, by definition, and where each definition's begin (D + 1,).");
   module.def("support", &support_of, nb::arg("model"), nb::arg("directions"),
              "How far the placed faces reach in world directions (n, 3): (n,).");
+  module.def("bezier_points", &bezier_points, nb::arg("points"), nb::arg("knots"), nb::arg("start"), nb::arg("stop"),
+             "Poles (c, p + 1, m) of spline spans to Bezier points, in place; knots (2 p, m), start, stop (m,).");
   module.def("scan_curves", &scan_curves_of, nb::arg("data"), nb::arg("at"), nb::arg("dim"), nb::arg("count"),
              "The columns of CurveScan, and the byte behind the records.");
   module.def("scan_surfaces", &scan_surfaces_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),

@@ -2,19 +2,19 @@
 
 The Bezier points of a polynomial piece over [a, b] are its blossom values f(a, .., a, b, .., b). They come from the
 B-spline's poles d_i = f(t_{k-p+1+i}, .., t_{k+i}) in two triangles: first a replaces the knots left of the span, then
-b replaces those right of it. Neither needs a and b to be knots, so cutting to a box and continuing the end spans
-beyond the domain are the same operation.
+b replaces those right of it (src/native/extract/blossom.h). Neither needs a and b to be knots, so cutting to a box and
+continuing the end spans beyond the domain are the same operation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _native
 from .tables import Index, expand, offsets_of
 
 Array = NDArray[np.float64]
@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 # A span narrower than this part of the wanted interval is dropped and its neighbour continued across it: real files
 # hold spans of 2.5e-12 of the range (two writers' rounding of one knot), which no image can show.
 SLIVER = 1e-11
-_BLOCK = 4096  # pieces converted together: few enough to stay in the cache
 
 
 @dataclass(frozen=True)
@@ -154,63 +153,14 @@ def knots_and_poles(vectors: KnotVectors, spans: Spans, which: Index, degree: in
 
 
 def bezier_points(poles: Array, knots: Array, start: Array, stop: Array) -> Array:
-    """Bezier points of m polynomial pieces of degree p over [start, stop].
+    """Bezier points (..., p + 1, m) of m polynomial pieces of degree p over [start, stop].
 
-    poles: (..., p + 1, m) control points of each piece's span, which become the result; knots: (2 p, m),
+    poles: (..., p + 1, m) control points of each piece's span, which may become the result; knots: (2 p, m),
     t_{k-p+1} .. t_{k+p} around the span; start, stop: (m,).
     """
-    degree = len(knots) // 2
-    left, right = knots[:degree], knots[degree:]
-    for count, columns in _by_count((left != start)[::-1]):
-        own = poles[..., : count + 1, :][..., columns]
-        _from_the_left(own, left[:count, columns], right[:count, columns], start[columns])
-        poles[..., : count + 1, columns] = own
-    for count, columns in _by_count(right != stop):
-        own = poles[..., degree - count :, :][..., columns]
-        _to_the_right(own, right[degree - count :, columns], start[columns], stop[columns])
-        poles[..., degree - count :, columns] = own
-    return poles
-
-
-def _by_count(different: NDArray[np.bool_]) -> Iterator[tuple[int, Index]]:
-    """The columns (blocks of their indices) of `different` (p, m) by how many entries are left from the first true one
-    on, if there is one."""
-    if not different.any():
-        return
-    counts = np.where(different.any(axis=0), len(different) - different.argmax(axis=0), 0)
-    for count in np.flatnonzero(np.bincount(counts)).tolist():
-        columns = np.flatnonzero((counts == count) & (count > 0))
-        for low in range(0, len(columns), _BLOCK):
-            yield count, columns[low : low + _BLOCK]
-
-
-def _from_the_left(points: Array, left: Array, right: Array, a: Array) -> None:
-    """Make f(a^(p-i), t_{k+1} .. t_{k+i}), i = 0 .. n, from the poles i = 0 .. n, in place.
-
-    left: (n, m), t_{k-p+1} .. t_{k-p+n}, what is left to replace, for t_{k-p+n+1} .. t_k are a; right: t_{k+1} ..
-    t_{k+n}.
-    """
-    n = len(left)
-    plain = (left[0] == left[-1]).all() and (right[0] == right[-1]).all()  # the span is a Bezier piece already
-    s = np.broadcast_to((a - left[0]) / (right[0] - left[0]), left.shape)
-    for r in range(n):  # one of the knots left of the span, seen from each pole, after the other
-        if not plain:
-            low, high = left[r:], right[: n - r]
-            s = (a - low) / (high - low)
-        pole = points[..., : n - r, :]
-        pole += s[: n - r] * (points[..., 1 : n - r + 1, :] - pole)
-
-
-def _to_the_right(points: Array, right: Array, a: Array, b: Array) -> None:
-    """Make f(a^(p-i), b^i), i = p - n .. p, from f(a^(p-i), t_{k+1} .. t_{k+i}), in place.
-
-    right: (n, m), t_{k+p-n+1} .. t_{k+p}, what is left to replace, for t_{k+1} .. t_{k+p-n} are b.
-    """
-    n = len(right)
-    rest = (right - b) / (right - a)
-    for r in range(n):
-        value = points[..., r + 1 :, :]
-        value += rest[: n - r] * (points[..., r:-1, :] - value)
+    points = np.ascontiguousarray(poles)
+    _native.bezier_points(points.reshape(-1, *points.shape[-2:]), knots, start, stop)
+    return points
 
 
 def curve_pieces(
