@@ -15,6 +15,8 @@
 #include "extent.h"
 #include "extract/blossom.h"
 #include "extract/stream_scan.h"
+#include "extract/trim_loops.h"
+#include "extract/use_order.h"
 #include "methods.h"
 
 namespace nb = nanobind;
@@ -95,7 +97,9 @@ auto owned(std::vector<T>&& values) {
 }
 
 // A numpy array of bool.
-auto owned_flags(std::vector<uint8_t>&& values) { return nb::object(nb::cast(owned(std::move(values))).attr("view")("?")); }
+auto owned_flags(std::vector<uint8_t>&& values) {
+  return nb::object(nb::cast(owned(std::move(values))).attr("view")("?"));
+}
 
 nb::tuple surface_points_of(nb::handle source) {
   Kept kept;
@@ -196,20 +200,80 @@ nb::tuple scan_surfaces_of(const nb::bytes& data, std::size_t at, std::size_t co
 
 nb::tuple scan_shapes_of(const nb::bytes& data, std::size_t at, std::size_t count) {
   ShapeScan s = scan_shapes(bytes_of(data), count, &at);
-  return nb::make_tuple(
-      owned(std::move(s.kinds)),
-      nb::make_tuple(owned(std::move(s.child_offsets)), owned(std::move(s.child_orientation)),
-                     owned(std::move(s.child_shape)), owned(std::move(s.child_location))),
-      nb::make_tuple(owned(std::move(s.face_surface)), owned(std::move(s.face_location)),
-                     owned(std::move(s.face_triangulation))),
-      nb::make_tuple(owned(std::move(s.edge_tolerance)), owned_flags(std::move(s.edge_degenerated)),
-                     owned(std::move(s.edge_curve)), owned(std::move(s.edge_location)), owned(std::move(s.edge_first)),
-                     owned(std::move(s.edge_last))),
-      nb::make_tuple(owned(std::move(s.pcurve_offsets)), owned(std::move(s.pcurve_curve)),
-                     owned(std::move(s.pcurve_second)), owned(std::move(s.pcurve_surface)),
-                     owned(std::move(s.pcurve_location)), owned(std::move(s.pcurve_first)),
-                     owned(std::move(s.pcurve_last))),
-      at);
+  return nb::make_tuple(owned(std::move(s.kinds)),
+                        nb::make_tuple(owned(std::move(s.child_offsets)), owned(std::move(s.child_orientation)),
+                                       owned(std::move(s.child_shape)), owned(std::move(s.child_location))),
+                        nb::make_tuple(owned(std::move(s.face_surface)), owned(std::move(s.face_location)),
+                                       owned(std::move(s.face_triangulation))),
+                        nb::make_tuple(owned(std::move(s.edge_tolerance)), owned_flags(std::move(s.edge_degenerated)),
+                                       owned(std::move(s.edge_curve)), owned(std::move(s.edge_location)),
+                                       owned(std::move(s.edge_first)), owned(std::move(s.edge_last))),
+                        nb::make_tuple(owned(std::move(s.pcurve_offsets)), owned(std::move(s.pcurve_curve)),
+                                       owned(std::move(s.pcurve_second)), owned(std::move(s.pcurve_surface)),
+                                       owned(std::move(s.pcurve_location)), owned(std::move(s.pcurve_first)),
+                                       owned(std::move(s.pcurve_last))),
+                        at);
+}
+
+using Indices = Array<int64_t, nb::shape<-1>>;
+using Flags = Array<bool, nb::shape<-1>>;
+using Pairs = Array<double, nb::shape<-1, 2>>;
+using BoxRows = Array<double, nb::shape<-1, 4>>;
+
+nb::tuple order_uses_of(Indices wire, Pairs start, Pairs end, Pairs size) {
+  UseOrder order = order_uses({wire.size(), wire.data(), start.data(), end.data(), size.data()});
+  return nb::make_tuple(owned(std::move(order.use)), owned(std::move(order.loop)), owned(std::move(order.unclear)));
+}
+
+RunView run_view(Kept& kept, nb::handle runs, nb::handle segments) {
+  RunView view{};
+  view.face = field<int64_t, nb::shape<-1>>(kept, runs, "face", &view.loops);
+  view.loop_offsets = field<int64_t, nb::shape<-1>>(kept, runs, "loop_offsets");
+  view.segment = field<int64_t, nb::shape<-1>>(kept, runs, "segment");
+  view.backwards = field<bool, nb::shape<-1>>(kept, runs, "backwards");
+  view.shift = field<double, nb::shape<-1, 2>>(kept, runs, "shift");
+  view.edge = field<int64_t, nb::shape<-1>>(kept, runs, "edge");
+  view.table = {field<int64_t, nb::shape<-1>>(kept, segments, "first_point"),
+                field<int64_t, nb::shape<-1>>(kept, segments, "degree"),
+                field<double, nb::shape<-1, 3>>(kept, segments, "points")};
+  return view;
+}
+
+auto owned_boxes(std::vector<double>&& boxes) {
+  const std::size_t count = boxes.size() / 4;
+  return owned(std::move(boxes), std::initializer_list<std::size_t>{count, 4});
+}
+
+auto bounding_boxes_of(nb::handle runs, nb::handle segments, std::size_t faces) {
+  Kept kept;
+  return owned_boxes(bounding_boxes(run_view(kept, runs, segments), faces));
+}
+
+auto corner_gaps_of(nb::handle runs, nb::handle segments, BoxRows boxes) {
+  Kept kept;
+  return owned(corner_gaps(run_view(kept, runs, segments), boxes.data()));
+}
+
+nb::tuple close_loops_of(nb::handle runs, nb::handle segments, BoxRows boxes, Flags kept_faces, Flags at_pole) {
+  Kept kept;
+  std::vector<double> moved(boxes.data(), boxes.data() + boxes.size());
+  LoopTable loops =
+      close_loops(run_view(kept, runs, segments), kept_faces.data(), at_pole.data(), kept_faces.size(), moved.data());
+  const std::size_t count = loops.points.size() / 3;
+  return nb::make_tuple(owned(std::move(loops.face)), owned(std::move(loops.loop_offsets)),
+                        owned(std::move(loops.segment_offsets)),
+                        owned(std::move(loops.points), std::initializer_list<std::size_t>{count, 3}),
+                        owned(std::move(loops.edge)), owned_boxes(std::move(moved)));
+}
+
+nb::object rectangles_of(nb::handle loops, BoxRows boxes) {
+  Kept kept;
+  LoopView view{};
+  view.face = field<int64_t, nb::shape<-1>>(kept, loops, "face", &view.loops);
+  view.loop_offsets = field<int64_t, nb::shape<-1>>(kept, loops, "loop_offsets");
+  view.segment_offsets = field<int64_t, nb::shape<-1>>(kept, loops, "segment_offsets");
+  view.points = field<double, nb::shape<-1, 3>>(kept, loops, "points");
+  return owned_flags(rectangles(view, boxes.data(), boxes.shape(0)));
 }
 
 }  // namespace
@@ -237,4 +301,14 @@ NB_MODULE(_native, module) {
              "The columns of SurfaceScan: surfaces, profiles, profile of each; and the byte behind the records.");
   module.def("scan_shapes", &scan_shapes_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),
              "The columns of ShapeScan: kinds, children, faces, edges, pcurves; and the byte behind the records.");
+  module.def("order_uses", &order_uses_of, nb::arg("wire"), nb::arg("start"), nb::arg("end"), nb::arg("size"),
+             "Edge uses in the order of their loops: use, loop, unclear wires.");
+  module.def("bounding_boxes", &bounding_boxes_of, nb::arg("runs"), nb::arg("segments"), nb::arg("faces"),
+             "u0, u1, v0, v1 (faces, 4) of loops.");
+  module.def("corner_gaps", &corner_gaps_of, nb::arg("runs"), nb::arg("segments"), nb::arg("boxes"),
+             "The entries of runs behind which there may be a corner.");
+  module.def("close_loops", &close_loops_of, nb::arg("runs"), nb::arg("segments"), nb::arg("boxes"), nb::arg("kept"),
+             nb::arg("at_pole"), "The columns of LoopTable, and the boxes brought up to date.");
+  module.def("rectangles", &rectangles_of, nb::arg("loops"), nb::arg("boxes"),
+             "Whether each face's loops are its box (faces,).");
 }

@@ -235,8 +235,8 @@ SurfaceScan scan_surfaces(Bytes bytes, std::size_t count, std::size_t* at) {
 ShapeScan scan_shapes(Bytes bytes, std::size_t count, std::size_t* at) {
   if (count > bytes.size) throw std::out_of_range("more shapes than bytes");
   ShapeScan scan;
-  for (auto* column : {&scan.face_surface, &scan.face_location, &scan.face_triangulation, &scan.edge_curve,
-                       &scan.edge_location}) {
+  for (auto* column :
+       {&scan.face_surface, &scan.face_location, &scan.face_triangulation, &scan.edge_curve, &scan.edge_location}) {
     column->assign(count + 1, 0);
   }
   for (auto* column : {&scan.edge_tolerance, &scan.edge_first, &scan.edge_last}) column->assign(count + 1, 0.0);

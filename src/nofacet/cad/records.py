@@ -119,5 +119,5 @@ class Surfaces(Sequence[Surface]):
 
 def scan_surfaces(data: bytes, at: int, count: int) -> tuple[Surfaces, int]:
     """The `count` surface records from byte `at`, and the byte after them."""
-    surfaces, profiles, profile, end = _native.scan_surfaces(data, at, count)
-    return Surfaces(data, *surfaces, Curves(data, 3, *profiles), profile), end
+    (start, kind, after), profiles, profile, end = _native.scan_surfaces(data, at, count)
+    return Surfaces(data, start, kind, after, Curves(data, 3, *profiles), profile), end
