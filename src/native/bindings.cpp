@@ -13,7 +13,7 @@
 
 #include "bezier/bernstein.h"
 #include "extent.h"
-#include "extract/blossom.h"
+#include "extract/spline.h"
 #include "extract/stream_scan.h"
 #include "extract/trim_loops.h"
 #include "extract/use_order.h"
@@ -168,19 +168,48 @@ std::vector<std::string> method_names() {
 
 using Column = Array<double, nb::shape<-1>>;
 
-void bezier_points(nb::ndarray<double, nb::shape<-1, -1, -1>, nb::c_contig, nb::device::cpu> points,
-                   Array<double, nb::shape<-1, -1>> knots, Column start, Column stop) {
-  const int degree = int(points.shape(1)) - 1;
-  const std::size_t count = points.shape(2);
-  if (degree < 1 || degree > kMaxDegree) throw std::invalid_argument("a spline's degree is out of range");
-  if (knots.shape(0) != std::size_t(2 * degree) || knots.shape(1) != count || start.size() != count ||
-      stop.size() != count) {
-    throw std::invalid_argument("columns of different lengths");
-  }
-  blossom(points.data(), points.shape(0), degree, count, knots.data(), start.data(), stop.data());
+Bytes bytes_of(const nb::bytes& data) { return {static_cast<const unsigned char*>(data.data()), data.size()}; }
+
+auto owned_points(std::vector<double>&& points, std::size_t count, int degree, std::size_t components) {
+  return owned(std::move(points), std::initializer_list<std::size_t>{count, std::size_t(degree + 1), components});
 }
 
-Bytes bytes_of(const nb::bytes& data) { return {static_cast<const unsigned char*>(data.data()), data.size()}; }
+nb::tuple curve_pieces_of(int degree, Array<double, nb::shape<-1, -1>> poles, Column knots,
+                          Array<int32_t, nb::shape<-1>> multiplicities, bool periodic, double low, double high) {
+  const KnotVector vector(degree, periodic, std::vector<double>(knots.data(), knots.data() + knots.size()),
+                          std::vector<int>(multiplicities.data(), multiplicities.data() + multiplicities.size()), low,
+                          high);
+  if (poles.shape(0) < vector.pole_count()) throw std::invalid_argument("a spline has too few poles");
+  CurvePieces pieces = curve_pieces(vector, poles.data(), poles.shape(1), low, high);
+  const std::size_t count = pieces.start.size();
+  return nb::make_tuple(owned(std::move(pieces.start)), owned(std::move(pieces.stop)),
+                        owned_points(std::move(pieces.points), count, degree, poles.shape(1)));
+}
+
+nb::list spline_pieces_of(const nb::bytes& data, int dim, Array<int64_t, nb::shape<-1>> at, Column first, Column last) {
+  nb::list result;
+  for (CurvePieces& part : spline_pieces(bytes_of(data), dim, at.size(), at.data(), first.data(), last.data())) {
+    const std::size_t count = part.owner.size();
+    result.append(nb::make_tuple(owned(std::move(part.owner)), owned(std::move(part.start)),
+                                 owned(std::move(part.stop)),
+                                 owned_points(std::move(part.points), count, part.degree, std::size_t(dim + 1))));
+  }
+  return result;
+}
+
+nb::list spline_patches_of(const nb::bytes& data, bool bezier, Array<int64_t, nb::shape<-1>> at,
+                           Array<double, nb::shape<-1, 4>> boxes) {
+  nb::list result;
+  for (SurfacePatches& part : spline_patches(bytes_of(data), bezier, at.size(), at.data(), boxes.data())) {
+    const std::size_t count = part.owner.size();
+    const std::initializer_list<std::size_t> shape{count, std::size_t(part.degree_u + 1),
+                                                   std::size_t(part.degree_v + 1), 4};
+    result.append(nb::make_tuple(owned(std::move(part.owner)),
+                                 owned(std::move(part.domain), std::initializer_list<std::size_t>{count, 4}),
+                                 owned(std::move(part.points), shape)));
+  }
+  return result;
+}
 
 nb::tuple columns(CurveScan&& scan) {
   return nb::make_tuple(owned(std::move(scan.start)), owned(std::move(scan.kind)), owned(std::move(scan.at)));
@@ -293,8 +322,13 @@ NB_MODULE(_native, module) {
              "Samples (N, 3) of the drawn surface, by definition, and where each definition's begin (D + 1,).");
   module.def("support", &support_of, nb::arg("model"), nb::arg("directions"),
              "How far the placed faces reach in world directions (n, 3): (n,).");
-  module.def("bezier_points", &bezier_points, nb::arg("points"), nb::arg("knots"), nb::arg("start"), nb::arg("stop"),
-             "Poles (c, p + 1, m) of spline spans to Bezier points, in place; knots (2 p, m), start, stop (m,).");
+  module.def("curve_pieces", &curve_pieces_of, nb::arg("degree"), nb::arg("poles"), nb::arg("knots"),
+             nb::arg("multiplicities"), nb::arg("periodic"), nb::arg("low"), nb::arg("high"),
+             "Bezier pieces of a B-spline curve with poles (n, c): start, stop (m,), points (m, p + 1, c).");
+  module.def("spline_pieces", &spline_pieces_of, nb::arg("data"), nb::arg("dim"), nb::arg("at"), nb::arg("first"),
+             nb::arg("last"), "A stream's B-spline curves in pieces: the columns of CurvePieces for each degree.");
+  module.def("spline_patches", &spline_patches_of, nb::arg("data"), nb::arg("bezier"), nb::arg("at"), nb::arg("boxes"),
+             "A stream's B-spline or Bezier surfaces: the columns of SurfacePatches for each bidegree.");
   module.def("scan_curves", &scan_curves_of, nb::arg("data"), nb::arg("at"), nb::arg("dim"), nb::arg("count"),
              "The columns of CurveScan, and the byte behind the records.");
   module.def("scan_surfaces", &scan_surfaces_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),

@@ -1,8 +1,9 @@
 #include "extract/stream_scan.h"
 
-#include <cstring>
 #include <stdexcept>
 #include <string>
+
+#include "extract/byte_reader.h"
 
 namespace nofacet {
 namespace {
@@ -28,41 +29,10 @@ constexpr std::size_t kKnot = 12;                      // bytes: a real and its 
   throw std::invalid_argument(std::string("unknown kind of ") + what + " " + std::to_string(kind));
 }
 
-// A place in the bytes that moves on as they are read.
-class Reader {
- public:
-  Reader(Bytes bytes, std::size_t at) : bytes_(bytes), at_(at) {}
-
-  std::size_t at() const { return at_; }
-  uint8_t byte() { return read<uint8_t>(); }
-  unsigned short_integer() { return read<uint16_t>(); }
-  int64_t integer() { return read<int32_t>(); }
-  double real() { return read<double>(); }
-  void skip(std::size_t count) { at_ += count; }  // the next read checks the place
-  // Skips records whose number the file gives.
-  void skip(int64_t count, std::size_t size) {
-    if (count < 0 || std::size_t(count) > bytes_.size / size) throw std::out_of_range("a record is too long");
-    at_ += std::size_t(count) * size;
-  }
-
- private:
-  Bytes bytes_;
-  std::size_t at_;
-
-  template <class T>
-  T read() {
-    if (at_ > bytes_.size || bytes_.size - at_ < sizeof(T)) throw std::out_of_range("the bytes end too early");
-    T value;
-    std::memcpy(&value, bytes_.data + at_, sizeof(T));
-    at_ += sizeof(T);
-    return value;
-  }
-};
-
-void skip_curve(Reader& reader, int dim, CurveScan* scan);
+void skip_curve(ByteReader& reader, int dim, CurveScan* scan);
 
 // The rest of a curve's record behind its kind.
-void skip_curve_body(Reader& reader, int dim, int kind) {
+void skip_curve_body(ByteReader& reader, int dim, int kind) {
   const std::size_t frame = 8 * std::size_t(3 * dim + (dim == 3 ? 3 : 0));
   switch (kind) {
     case kLine:
@@ -93,7 +63,7 @@ void skip_curve_body(Reader& reader, int dim, int kind) {
   }
 }
 
-void skip_curve(Reader& reader, int dim, CurveScan* scan) {
+void skip_curve(ByteReader& reader, int dim, CurveScan* scan) {
   const std::size_t start = reader.at();
   int kind = reader.byte();
   while (kind == kTrimmed) {
@@ -108,9 +78,9 @@ void skip_curve(Reader& reader, int dim, CurveScan* scan) {
   skip_curve_body(reader, dim, kind);
 }
 
-void skip_surface(Reader& reader, SurfaceScan* scan);
+void skip_surface(ByteReader& reader, SurfaceScan* scan);
 
-void skip_surface_body(Reader& reader, int kind, SurfaceScan* scan) {
+void skip_surface_body(ByteReader& reader, int kind, SurfaceScan* scan) {
   switch (kind) {
     case kPlane:
       return reader.skip(96);
@@ -144,7 +114,7 @@ void skip_surface_body(Reader& reader, int kind, SurfaceScan* scan) {
   }
 }
 
-void skip_surface(Reader& reader, SurfaceScan* scan) {
+void skip_surface(ByteReader& reader, SurfaceScan* scan) {
   const std::size_t start = reader.at();
   int kind = reader.byte();
   while (kind == kTrimmedSurface) {
@@ -162,7 +132,7 @@ void skip_surface(Reader& reader, SurfaceScan* scan) {
 }
 
 // An edge's tolerance and its representations: its curve in space, its curves on surfaces.
-void read_edge(Reader& reader, std::size_t shape, ShapeScan& scan) {
+void read_edge(ByteReader& reader, std::size_t shape, ShapeScan& scan) {
   scan.edge_tolerance[shape] = reader.real();
   reader.skip(2);  // same parameter, same range
   scan.edge_degenerated[shape] = reader.byte() != 0;
@@ -188,7 +158,7 @@ void read_edge(Reader& reader, std::size_t shape, ShapeScan& scan) {
   }
 }
 
-void skip_vertex(Reader& reader) {
+void skip_vertex(ByteReader& reader) {
   reader.skip(32);  // tolerance, point
   while (const int kind = reader.byte()) {
     if (kind > 3) unknown("point representation", kind);
@@ -196,7 +166,7 @@ void skip_vertex(Reader& reader) {
   }
 }
 
-void read_face(Reader& reader, std::size_t shape, ShapeScan& scan) {
+void read_face(ByteReader& reader, std::size_t shape, ShapeScan& scan) {
   reader.skip(9);  // natural restriction, tolerance
   scan.face_surface[shape] = reader.integer();
   scan.face_location[shape] = reader.integer();
@@ -204,7 +174,7 @@ void read_face(Reader& reader, std::size_t shape, ShapeScan& scan) {
 }
 
 // The references to sub-shapes, which '*' ends. Shapes are written last first.
-void read_children(Reader& reader, int64_t count, ShapeScan& scan) {
+void read_children(ByteReader& reader, int64_t count, ShapeScan& scan) {
   for (int orientation; (orientation = reader.byte()) != '*';) {
     if (orientation > 3) unknown("orientation", orientation);
     scan.child_orientation.push_back(uint8_t(orientation));
@@ -218,7 +188,7 @@ void read_children(Reader& reader, int64_t count, ShapeScan& scan) {
 
 CurveScan scan_curves(Bytes bytes, int dim, std::size_t count, std::size_t* at) {
   CurveScan scan;
-  Reader reader(bytes, *at);
+  ByteReader reader(bytes, *at);
   for (std::size_t k = 0; k < count; ++k) skip_curve(reader, dim, &scan);
   *at = reader.at();
   return scan;
@@ -226,7 +196,7 @@ CurveScan scan_curves(Bytes bytes, int dim, std::size_t count, std::size_t* at) 
 
 SurfaceScan scan_surfaces(Bytes bytes, std::size_t count, std::size_t* at) {
   SurfaceScan scan;
-  Reader reader(bytes, *at);
+  ByteReader reader(bytes, *at);
   for (std::size_t k = 0; k < count; ++k) skip_surface(reader, &scan);
   *at = reader.at();
   return scan;
@@ -241,7 +211,7 @@ ShapeScan scan_shapes(Bytes bytes, std::size_t count, std::size_t* at) {
   }
   for (auto* column : {&scan.edge_tolerance, &scan.edge_first, &scan.edge_last}) column->assign(count + 1, 0.0);
   scan.edge_degenerated.assign(count + 1, 0);
-  Reader reader(bytes, *at);
+  ByteReader reader(bytes, *at);
   for (std::size_t shape = 1; shape <= count; ++shape) {
     const uint8_t kind = reader.byte();
     scan.kinds.push_back(kind);

@@ -9,12 +9,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace nofacet {
+#include "extract/byte_reader.h"
 
-struct Bytes {
-  const unsigned char* data;
-  std::size_t size;
-};
+namespace nofacet {
 
 // Curves: where each record starts; the kind of the curve itself, if it is trimmed; the byte after that kind.
 struct CurveScan {

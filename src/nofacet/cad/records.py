@@ -19,8 +19,6 @@ LINE, CIRCLE, ELLIPSE, BEZIER, BSPLINE, TRIMMED, OFFSET = (
 )
 BEZIER_SURFACE = SURFACES.index("bezier")
 
-SPLINE = np.dtype([("rational", "?"), ("periodic", "?"), ("degree", "<u2"), ("poles", "<i4"), ("knots", "<i4")])
-BEZIER_NET = np.dtype([("rational", "?", 2), ("degree", "<u2", 2)])
 SPLINE_NET = np.dtype(
     [("rational", "?", 2), ("periodic", "?", 2), ("degree", "<u2", 2), ("poles", "<i4", 2), ("knots", "<i4", 2)]
 )
@@ -36,12 +34,6 @@ def gather(data: bytes, at: Index, dtype: np.dtype[Any]) -> NDArray[Any]:
 def gather_reals(data: bytes, at: Index, count: int) -> Array:
     """`count` numbers from each of the bytes `at` (n,): (n, count)."""
     return gather(data, at, np.dtype(f"V{8 * count}")).view("<f8").reshape(-1, count)
-
-
-def joined(data: bytes, start: Index, size: Index, dtype: Any) -> NDArray[Any]:
-    """The arrays of `size` bytes from each of the bytes `start`, one behind the other."""
-    ranges = zip(start.tolist(), (start + size).tolist(), strict=True)
-    return np.frombuffer(b"".join([data[low:high] for low, high in ranges]), dtype)
 
 
 class Curves(Sequence[Curve]):

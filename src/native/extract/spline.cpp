@@ -1,0 +1,356 @@
+#include "extract/spline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "bezier/bernstein.h"
+#include "extract/blossom.h"
+
+namespace nofacet {
+
+KnotVector::KnotVector(int degree, bool periodic, const std::vector<double>& knots,
+                       const std::vector<int>& multiplicities, double low, double high)
+    : degree_(degree) {
+  if (degree < 1 || degree > kMaxDegree) throw std::invalid_argument("a spline's degree is out of range");
+  if (periodic) {
+    unroll(knots, multiplicities, low, high);
+    return;
+  }
+  for (std::size_t k = 0; k < knots.size(); ++k) flat_.insert(flat_.end(), std::size_t(multiplicities[k]), knots[k]);
+  pole_count_ = size() - degree - 1;
+  if (pole_count_ <= degree) throw std::invalid_argument("a spline has too few knots");
+}
+
+void KnotVector::unroll(const std::vector<double>& knots, const std::vector<int>& multiplicities, double low,
+                        double high) {
+  std::vector<double> once;
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+    once.insert(once.end(), std::size_t(multiplicities[k]), knots[k]);
+  }
+  const auto count = int64_t(once.size());
+  const double period = knots.back() - knots.front();
+  const double first = std::floor((low - knots.front()) / period), last = std::ceil((high - knots.front()) / period);
+  if (!count || !(period > 0) || !(last - first < 1e6) || !(std::abs(first) < 1e9)) {
+    throw std::invalid_argument("a periodic spline is wanted over too many periods");
+  }
+  // flat knot p is the last copy of the first knot; one period and the degree are added at both ends
+  first_pole_ = (int64_t(first) - 1) * count;
+  pole_count_ = count;
+  const int64_t end = (int64_t(last) + 1) * count + 2 * degree_ + 2;
+  for (int64_t index = first_pole_; index < end; ++index) {
+    const int64_t shifted = index - degree_ + multiplicities[0] - 1;
+    const int64_t knot = pole(shifted);
+    flat_.push_back(once[std::size_t(knot)] + period * double((shifted - knot) / count));
+  }
+}
+
+namespace {
+
+// The span for an interval that lies outside the domain, or between two knots a sliver apart.
+Span span_outside(const KnotVector& vector, const std::vector<int64_t>& filled, double low, double high) {
+  if (filled.empty()) throw std::out_of_range("a spline without a span");
+  const int64_t flat = low >= vector.knot(filled.back()) ? filled.back() : filled.front();
+  const double middle = 0.5 * (vector.knot(flat) + vector.knot(flat + 1));
+  return {flat, std::min(low, middle), std::max(high, middle)};  // blossoming needs one end inside the span
+}
+
+}  // namespace
+
+std::vector<Span> spans(const KnotVector& vector, double low, double high) {
+  const double sliver = kSliver * (high - low);
+  std::vector<Span> result;
+  std::vector<int64_t> filled;
+  for (int64_t j = vector.degree(); j < vector.size() - vector.degree() - 1; ++j) {
+    const double left = vector.knot(j), right = vector.knot(j + 1);
+    if (!(right > left)) continue;
+    filled.push_back(j);
+    if (right - left > sliver && right > low + sliver && left < high - sliver) result.push_back({j, left, 0.0});
+  }
+  if (result.empty()) return {span_outside(vector, filled, low, high)};
+  result.front().start = low;
+  for (std::size_t k = 0; k + 1 < result.size(); ++k) result[k].stop = result[k + 1].start;
+  result.back().stop = high;
+  return result;
+}
+
+namespace {
+
+// Spans of one degree side by side, as blossom() wants them.
+class Columns {
+ public:
+  Columns(int degree, std::size_t components, std::size_t count)
+      : degree_(degree),
+        components_(components),
+        count_(count),
+        points_(components * std::size_t(degree + 1) * count),
+        knots_(2 * std::size_t(degree) * count),
+        start_(count),
+        stop_(count) {}
+
+  double& point(std::size_t component, int i, std::size_t column) {
+    return points_[(component * std::size_t(degree_ + 1) + std::size_t(i)) * count_ + column];
+  }
+  void set(std::size_t column, const KnotVector& vector, const Span& span) {
+    for (int k = 0; k < 2 * degree_; ++k) {
+      knots_[std::size_t(k) * count_ + column] = vector.knot(span.flat + 1 - degree_ + k);
+    }
+    start_[column] = span.start;
+    stop_[column] = span.stop;
+  }
+  void blossom() {
+    nofacet::blossom(points_.data(), components_, degree_, count_, knots_.data(), start_.data(), stop_.data());
+  }
+
+ private:
+  int degree_;
+  std::size_t components_, count_;
+  std::vector<double> points_, knots_, start_, stop_;
+};
+
+// Stored poles: `dim` coordinates, with a weight behind them if rational.
+struct Poles {
+  ByteReader reader;
+  int dim;
+  bool rational;
+
+  std::size_t components() const { return std::size_t(dim + rational); }
+  // Homogeneous coordinates of pole `number`.
+  void get(int64_t number, double* out) const {
+    ByteReader at = reader;
+    at.skip(number, 8 * components());
+    for (std::size_t c = 0; c < components(); ++c) out[c] = at.real();
+    if (!rational) return;
+    for (int c = 0; c < dim; ++c) out[c] *= out[dim];
+  }
+};
+
+KnotVector read_knots(ByteReader& reader, int degree, bool periodic, int64_t count, double low, double high) {
+  std::vector<double> knots;
+  std::vector<int> multiplicities;
+  for (int64_t k = 0; k < count; ++k) {
+    knots.push_back(reader.real());
+    multiplicities.push_back(int(reader.integer()));
+  }
+  return KnotVector(degree, periodic, knots, multiplicities, low, high);
+}
+
+struct StoredCurve {
+  std::size_t owner;
+  KnotVector vector;
+  Poles poles;
+  std::vector<Span> spans;
+};
+
+StoredCurve read_curve(Bytes bytes, int dim, std::size_t owner, int64_t at, double low, double high) {
+  ByteReader reader(bytes, std::size_t(at));
+  const bool rational = reader.byte(), periodic = reader.byte();
+  const int degree = int(reader.short_integer());
+  const int64_t poles = reader.integer(), knots = reader.integer();
+  const Poles stored{reader, dim, rational};
+  reader.skip(poles, 8 * stored.components());
+  KnotVector vector = read_knots(reader, degree, periodic, knots, low, high);
+  std::vector<Span> wanted = spans(vector, low, high);
+  return {owner, std::move(vector), stored, std::move(wanted)};
+}
+
+// All pieces of curves of one degree, rational or not.
+CurvePieces pieces_of(const std::vector<StoredCurve>& curves) {
+  const int degree = curves[0].vector.degree(), dim = curves[0].poles.dim;
+  const std::size_t components = curves[0].poles.components();
+  CurvePieces result{degree, {}, {}, {}, {}};
+  for (const StoredCurve& curve : curves) {
+    for (const Span& span : curve.spans) {
+      result.owner.push_back(int64_t(curve.owner));
+      result.start.push_back(span.start);
+      result.stop.push_back(span.stop);
+    }
+  }
+  const std::size_t count = result.owner.size();
+  Columns columns(degree, components, count);
+  std::size_t column = 0;
+  for (const StoredCurve& curve : curves) {
+    for (const Span& span : curve.spans) {
+      columns.set(column, curve.vector, span);
+      for (int i = 0; i <= degree; ++i) {
+        double pole[4];
+        curve.poles.get(curve.vector.pole(curve.vector.first_pole(span.flat) + i), pole);
+        for (std::size_t c = 0; c < components; ++c) columns.point(c, i, column) = pole[c];
+      }
+      ++column;
+    }
+  }
+  columns.blossom();
+  result.points.assign(count * std::size_t(degree + 1) * std::size_t(dim + 1), 1.0);
+  double* out = result.points.data();
+  for (std::size_t k = 0; k < count; ++k) {
+    for (int i = 0; i <= degree; ++i, out += dim + 1) {
+      for (std::size_t c = 0; c < components; ++c) out[c] = columns.point(c, i, k);
+    }
+  }
+  return result;
+}
+
+struct StoredSurface {
+  std::size_t owner;
+  KnotVector u, v;
+  Poles poles;
+  int64_t columns;  // of the net of poles, v running faster
+  std::vector<Span> in_u, in_v;
+
+  int64_t first_row() const { return u.first_pole(in_u.front().flat); }
+  std::size_t rows() const { return std::size_t(in_u.back().flat - in_u.front().flat + u.degree() + 1); }
+};
+
+StoredSurface read_surface(Bytes bytes, bool bezier, std::size_t owner, int64_t at, const double* box) {
+  ByteReader reader(bytes, std::size_t(at));
+  const bool rational = reader.byte() | reader.byte();
+  if (bezier) {
+    const int degree_u = int(reader.short_integer()), degree_v = int(reader.short_integer());
+    KnotVector u(degree_u, false, {0.0, 1.0}, {degree_u + 1, degree_u + 1}, box[0], box[1]);
+    KnotVector v(degree_v, false, {0.0, 1.0}, {degree_v + 1, degree_v + 1}, box[2], box[3]);
+    std::vector<Span> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
+    const Poles poles{reader, 3, rational};
+    return {owner, std::move(u), std::move(v), poles, degree_v + 1, std::move(in_u), std::move(in_v)};
+  }
+  const bool periodic_u = reader.byte(), periodic_v = reader.byte();
+  const int degree_u = int(reader.short_integer()), degree_v = int(reader.short_integer());
+  const int64_t rows = reader.integer(), columns = reader.integer();
+  const int64_t knots_u = reader.integer(), knots_v = reader.integer();
+  const Poles poles{reader, 3, rational};
+  reader.skip(rows * columns, 8 * poles.components());
+  KnotVector u = read_knots(reader, degree_u, periodic_u, knots_u, box[0], box[1]);
+  KnotVector v = read_knots(reader, degree_v, periodic_v, knots_v, box[2], box[3]);
+  std::vector<Span> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
+  return {owner, std::move(u), std::move(v), poles, columns, std::move(in_u), std::move(in_v)};
+}
+
+// Every needed row of poles blossomed in v: one column for each span in v and row, surface by surface.
+Columns strips_of(const std::vector<StoredSurface>& surfaces) {
+  const int degree = surfaces[0].v.degree();
+  const std::size_t components = surfaces[0].poles.components();
+  std::size_t count = 0;
+  for (const StoredSurface& surface : surfaces) count += surface.in_v.size() * surface.rows();
+  Columns strips(degree, components, count);
+  std::size_t column = 0;
+  for (const StoredSurface& surface : surfaces) {
+    for (const Span& span : surface.in_v) {
+      for (std::size_t row = 0; row < surface.rows(); ++row, ++column) {
+        const int64_t first = surface.u.pole(surface.first_row() + int64_t(row)) * surface.columns;
+        strips.set(column, surface.v, span);
+        for (int j = 0; j <= degree; ++j) {
+          double pole[4];
+          surface.poles.get(first + surface.v.pole(surface.v.first_pole(span.flat) + j), pole);
+          for (std::size_t c = 0; c < components; ++c) strips.point(c, j, column) = pole[c];
+        }
+      }
+    }
+  }
+  strips.blossom();
+  return strips;
+}
+
+// All patches of surfaces of one bidegree, rational or not: blossomed in v first, then in u.
+SurfacePatches patches_of(const std::vector<StoredSurface>& surfaces) {
+  const int du = surfaces[0].u.degree(), dv = surfaces[0].v.degree();
+  const std::size_t components = surfaces[0].poles.components();
+  SurfacePatches result{du, dv, {}, {}, {}};
+  for (const StoredSurface& surface : surfaces) {
+    for (const Span& u : surface.in_u) {
+      for (const Span& v : surface.in_v) {
+        result.owner.push_back(int64_t(surface.owner));
+        result.domain.insert(result.domain.end(), {u.start, u.stop, v.start, v.stop});
+      }
+    }
+  }
+  Columns strips = strips_of(surfaces);
+  const std::size_t count = result.owner.size(), across = std::size_t(dv + 1);
+  Columns nets(du, components * across, count);
+  std::size_t column = 0, strip = 0;
+  for (const StoredSurface& surface : surfaces) {
+    for (const Span& u : surface.in_u) {
+      for (std::size_t v = 0; v < surface.in_v.size(); ++v, ++column) {
+        nets.set(column, surface.u, u);
+        const std::size_t row = std::size_t(u.flat - surface.in_u.front().flat);
+        for (std::size_t c = 0; c < components * across; ++c) {
+          for (int i = 0; i <= du; ++i) {
+            nets.point(c, i, column) =
+                strips.point(c / across, int(c % across), strip + v * surface.rows() + row + std::size_t(i));
+          }
+        }
+      }
+    }
+    strip += surface.in_v.size() * surface.rows();
+  }
+  nets.blossom();
+  result.points.assign(count * std::size_t(du + 1) * across * 4, 1.0);
+  double* out = result.points.data();
+  for (std::size_t k = 0; k < count; ++k) {
+    for (int i = 0; i <= du; ++i) {
+      for (std::size_t j = 0; j < across; ++j, out += 4) {
+        for (std::size_t c = 0; c < components; ++c) out[c] = nets.point(c * across + j, i, k);
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<CurvePieces> spline_pieces(Bytes bytes, int dim, std::size_t count, const int64_t* at, const double* first,
+                                       const double* last) {
+  std::map<std::pair<int, bool>, std::vector<StoredCurve>> kinds;  // by degree, rational
+  for (std::size_t k = 0; k < count; ++k) {
+    StoredCurve curve = read_curve(bytes, dim, k, at[k], first[k], last[k]);
+    kinds[{curve.vector.degree(), curve.poles.rational}].push_back(std::move(curve));
+  }
+  std::vector<CurvePieces> result;
+  for (const auto& [kind, curves] : kinds) result.push_back(pieces_of(curves));
+  return result;
+}
+
+std::vector<SurfacePatches> spline_patches(Bytes bytes, bool bezier, std::size_t count, const int64_t* at,
+                                           const double* boxes) {
+  std::map<std::array<int, 3>, std::vector<StoredSurface>> kinds;  // by rational, degrees
+  for (std::size_t k = 0; k < count; ++k) {
+    StoredSurface surface = read_surface(bytes, bezier, k, at[k], boxes + 4 * k);
+    kinds[{surface.poles.rational, surface.u.degree(), surface.v.degree()}].push_back(std::move(surface));
+  }
+  std::vector<SurfacePatches> result;
+  for (const auto& [kind, surfaces] : kinds) result.push_back(patches_of(surfaces));
+  return result;
+}
+
+CurvePieces curve_pieces(const KnotVector& vector, const double* poles, std::size_t components, double low,
+                         double high) {
+  const std::vector<Span> wanted = spans(vector, low, high);
+  const auto order = std::size_t(vector.degree() + 1);
+  CurvePieces result{vector.degree(), {}, {}, {}, std::vector<double>(wanted.size() * order * components)};
+  Columns columns(vector.degree(), components, wanted.size());
+  auto each_point = [&](auto&& visit) {
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      for (std::size_t i = 0; i < order; ++i) {
+        for (std::size_t c = 0; c < components; ++c) visit(k, i, c);
+      }
+    }
+  };
+  each_point([&](std::size_t k, std::size_t i, std::size_t c) {
+    const int64_t pole = vector.pole(vector.first_pole(wanted[k].flat) + int64_t(i));
+    columns.point(c, int(i), k) = poles[std::size_t(pole) * components + c];
+  });
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    columns.set(k, vector, wanted[k]);
+    result.owner.push_back(0);
+    result.start.push_back(wanted[k].start);
+    result.stop.push_back(wanted[k].stop);
+  }
+  columns.blossom();
+  each_point([&](std::size_t k, std::size_t i, std::size_t c) {
+    result.points[(k * order + i) * components + c] = columns.point(c, int(i), k);
+  });
+  return result;
+}
+
+}  // namespace nofacet
