@@ -18,6 +18,8 @@ class ByteReader {
   ByteReader(Bytes bytes, std::size_t at) : bytes_(bytes), at_(at) {}
 
   std::size_t at() const { return at_; }
+  // Where the next number is; skip() over it checks that it is there.
+  const unsigned char* here() const { return bytes_.data + at_; }
   uint8_t byte() { return read<uint8_t>(); }
   unsigned short_integer() { return read<uint16_t>(); }
   int64_t integer() { return read<int32_t>(); }
@@ -25,7 +27,9 @@ class ByteReader {
   void skip(std::size_t count) { at_ += count; }  // the next read checks the place
   // Skips records whose number the file gives.
   void skip(int64_t count, std::size_t size) {
-    if (count < 0 || std::size_t(count) > bytes_.size / size) throw std::out_of_range("a record is too long");
+    if (count < 0 || at_ > bytes_.size || std::size_t(count) > (bytes_.size - at_) / size) {
+      throw std::out_of_range("a record is too long");
+    }
     at_ += std::size_t(count) * size;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <stdexcept>
 
@@ -50,7 +51,11 @@ void KnotVector::unroll(const std::vector<double>& knots, const std::vector<int>
 namespace {
 
 // The span for an interval that lies outside the domain, or between two knots a sliver apart.
-Span span_outside(const KnotVector& vector, const std::vector<int64_t>& filled, double low, double high) {
+Span span_outside(const KnotVector& vector, double low, double high) {
+  std::vector<int64_t> filled;
+  for (int64_t j = vector.degree(); j < vector.size() - vector.degree() - 1; ++j) {
+    if (vector.knot(j + 1) > vector.knot(j)) filled.push_back(j);
+  }
   if (filled.empty()) throw std::out_of_range("a spline without a span");
   const int64_t flat = low >= vector.knot(filled.back()) ? filled.back() : filled.front();
   const double middle = 0.5 * (vector.knot(flat) + vector.knot(flat + 1));
@@ -62,14 +67,12 @@ Span span_outside(const KnotVector& vector, const std::vector<int64_t>& filled, 
 std::vector<Span> spans(const KnotVector& vector, double low, double high) {
   const double sliver = kSliver * (high - low);
   std::vector<Span> result;
-  std::vector<int64_t> filled;
   for (int64_t j = vector.degree(); j < vector.size() - vector.degree() - 1; ++j) {
     const double left = vector.knot(j), right = vector.knot(j + 1);
-    if (!(right > left)) continue;
-    filled.push_back(j);
-    if (right - left > sliver && right > low + sliver && left < high - sliver) result.push_back({j, left, 0.0});
+    if (right > left && right - left > sliver && right > low + sliver && left < high - sliver)
+      result.push_back({j, left, 0.0});
   }
-  if (result.empty()) return {span_outside(vector, filled, low, high)};
+  if (result.empty()) return {span_outside(vector, low, high)};
   result.front().start = low;
   for (std::size_t k = 0; k + 1 < result.size(); ++k) result[k].stop = result[k + 1].start;
   result.back().stop = high;
@@ -93,6 +96,8 @@ class Columns {
   double& point(std::size_t component, int i, std::size_t column) {
     return points_[(component * std::size_t(degree_ + 1) + std::size_t(i)) * count_ + column];
   }
+  // From one component of a point to the next.
+  std::size_t stride() const { return std::size_t(degree_ + 1) * count_; }
   void set(std::size_t column, const KnotVector& vector, const Span& span) {
     for (int k = 0; k < 2 * degree_; ++k) {
       knots_[std::size_t(k) * count_ + column] = vector.knot(span.flat + 1 - degree_ + k);
@@ -111,20 +116,29 @@ class Columns {
 };
 
 // Stored poles: `dim` coordinates, with a weight behind them if rational.
-struct Poles {
-  ByteReader reader;
-  int dim;
-  bool rational;
-
-  std::size_t components() const { return std::size_t(dim + rational); }
-  // Homogeneous coordinates of pole `number`.
-  void get(int64_t number, double* out) const {
-    ByteReader at = reader;
-    at.skip(number, 8 * components());
-    for (std::size_t c = 0; c < components(); ++c) out[c] = at.real();
-    if (!rational) return;
-    for (int c = 0; c < dim; ++c) out[c] *= out[dim];
+class Poles {
+ public:
+  // Takes `count` poles from the reader.
+  Poles(ByteReader& reader, int64_t count, int dim, bool rational)
+      : dim_(dim), rational_(rational), data_(reader.here()) {
+    reader.skip(count, 8 * components());
   }
+
+  int dim() const { return dim_; }
+  bool rational() const { return rational_; }
+  std::size_t components() const { return std::size_t(dim_ + rational_); }
+  // Homogeneous coordinates of pole `number`, one every `stride`.
+  void get(int64_t number, double* out, std::size_t stride) const {
+    double pole[4];
+    std::memcpy(pole, data_ + std::size_t(number) * 8 * components(), 8 * components());
+    for (int c = 0; c < dim_; ++c) out[std::size_t(c) * stride] = rational_ ? pole[c] * pole[dim_] : pole[c];
+    if (rational_) out[std::size_t(dim_) * stride] = pole[dim_];
+  }
+
+ private:
+  int dim_;
+  bool rational_;
+  const unsigned char* data_;
 };
 
 KnotVector read_knots(ByteReader& reader, int degree, bool periodic, int64_t count, double low, double high) {
@@ -149,8 +163,7 @@ StoredCurve read_curve(Bytes bytes, int dim, std::size_t owner, int64_t at, doub
   const bool rational = reader.byte(), periodic = reader.byte();
   const int degree = int(reader.short_integer());
   const int64_t poles = reader.integer(), knots = reader.integer();
-  const Poles stored{reader, dim, rational};
-  reader.skip(poles, 8 * stored.components());
+  const Poles stored(reader, poles, dim, rational);
   KnotVector vector = read_knots(reader, degree, periodic, knots, low, high);
   std::vector<Span> wanted = spans(vector, low, high);
   return {owner, std::move(vector), stored, std::move(wanted)};
@@ -158,7 +171,7 @@ StoredCurve read_curve(Bytes bytes, int dim, std::size_t owner, int64_t at, doub
 
 // All pieces of curves of one degree, rational or not.
 CurvePieces pieces_of(const std::vector<StoredCurve>& curves) {
-  const int degree = curves[0].vector.degree(), dim = curves[0].poles.dim;
+  const int degree = curves[0].vector.degree(), dim = curves[0].poles.dim();
   const std::size_t components = curves[0].poles.components();
   CurvePieces result{degree, {}, {}, {}, {}};
   for (const StoredCurve& curve : curves) {
@@ -175,9 +188,8 @@ CurvePieces pieces_of(const std::vector<StoredCurve>& curves) {
     for (const Span& span : curve.spans) {
       columns.set(column, curve.vector, span);
       for (int i = 0; i <= degree; ++i) {
-        double pole[4];
-        curve.poles.get(curve.vector.pole(curve.vector.first_pole(span.flat) + i), pole);
-        for (std::size_t c = 0; c < components; ++c) columns.point(c, i, column) = pole[c];
+        const int64_t pole = curve.vector.pole(curve.vector.first_pole(span.flat) + i);
+        curve.poles.get(pole, &columns.point(0, i, column), columns.stride());
       }
       ++column;
     }
@@ -212,15 +224,14 @@ StoredSurface read_surface(Bytes bytes, bool bezier, std::size_t owner, int64_t 
     KnotVector u(degree_u, false, {0.0, 1.0}, {degree_u + 1, degree_u + 1}, box[0], box[1]);
     KnotVector v(degree_v, false, {0.0, 1.0}, {degree_v + 1, degree_v + 1}, box[2], box[3]);
     std::vector<Span> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
-    const Poles poles{reader, 3, rational};
+    const Poles poles(reader, int64_t(degree_u + 1) * (degree_v + 1), 3, rational);
     return {owner, std::move(u), std::move(v), poles, degree_v + 1, std::move(in_u), std::move(in_v)};
   }
   const bool periodic_u = reader.byte(), periodic_v = reader.byte();
   const int degree_u = int(reader.short_integer()), degree_v = int(reader.short_integer());
   const int64_t rows = reader.integer(), columns = reader.integer();
   const int64_t knots_u = reader.integer(), knots_v = reader.integer();
-  const Poles poles{reader, 3, rational};
-  reader.skip(rows * columns, 8 * poles.components());
+  const Poles poles(reader, rows * columns, 3, rational);
   KnotVector u = read_knots(reader, degree_u, periodic_u, knots_u, box[0], box[1]);
   KnotVector v = read_knots(reader, degree_v, periodic_v, knots_v, box[2], box[3]);
   std::vector<Span> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
@@ -241,9 +252,8 @@ Columns strips_of(const std::vector<StoredSurface>& surfaces) {
         const int64_t first = surface.u.pole(surface.first_row() + int64_t(row)) * surface.columns;
         strips.set(column, surface.v, span);
         for (int j = 0; j <= degree; ++j) {
-          double pole[4];
-          surface.poles.get(first + surface.v.pole(surface.v.first_pole(span.flat) + j), pole);
-          for (std::size_t c = 0; c < components; ++c) strips.point(c, j, column) = pole[c];
+          const int64_t pole = first + surface.v.pole(surface.v.first_pole(span.flat) + j);
+          surface.poles.get(pole, &strips.point(0, j, column), strips.stride());
         }
       }
     }
@@ -304,7 +314,7 @@ std::vector<CurvePieces> spline_pieces(Bytes bytes, int dim, std::size_t count, 
   std::map<std::pair<int, bool>, std::vector<StoredCurve>> kinds;  // by degree, rational
   for (std::size_t k = 0; k < count; ++k) {
     StoredCurve curve = read_curve(bytes, dim, k, at[k], first[k], last[k]);
-    kinds[{curve.vector.degree(), curve.poles.rational}].push_back(std::move(curve));
+    kinds[{curve.vector.degree(), curve.poles.rational()}].push_back(std::move(curve));
   }
   std::vector<CurvePieces> result;
   for (const auto& [kind, curves] : kinds) result.push_back(pieces_of(curves));
@@ -316,7 +326,7 @@ std::vector<SurfacePatches> spline_patches(Bytes bytes, bool bezier, std::size_t
   std::map<std::array<int, 3>, std::vector<StoredSurface>> kinds;  // by rational, degrees
   for (std::size_t k = 0; k < count; ++k) {
     StoredSurface surface = read_surface(bytes, bezier, k, at[k], boxes + 4 * k);
-    kinds[{surface.poles.rational, surface.u.degree(), surface.v.degree()}].push_back(std::move(surface));
+    kinds[{surface.poles.rational(), surface.u.degree(), surface.v.degree()}].push_back(std::move(surface));
   }
   std::vector<SurfacePatches> result;
   for (const auto& [kind, surfaces] : kinds) result.push_back(patches_of(surfaces));

@@ -26,7 +26,10 @@ class KnotVector {
   int64_t size() const { return int64_t(flat_.size()); }
   std::size_t pole_count() const { return std::size_t(pole_count_); }
   // The pole with this number, counted on beyond a period.
-  int64_t pole(int64_t number) const { return ((number % pole_count_) + pole_count_) % pole_count_; }
+  int64_t pole(int64_t number) const {
+    if (number >= 0 && number < pole_count_) return number;
+    return ((number % pole_count_) + pole_count_) % pole_count_;
+  }
   // The first pole, not yet modulo pole_count, of the span that starts at flat knot j.
   int64_t first_pole(int64_t j) const { return j - degree_ + first_pole_; }
 
