@@ -41,8 +41,8 @@ class Entry {
 
 // The joint behind an entry.
 struct Joint {
-  bool open, small;
-  double width;  // of the gap, in parts of the face's box
+  bool open, small;  // whether the ends differ; whether by no more than rounding
+  double width;      // of a wider gap, in parts of the face's box
 
   bool is_gap() const { return open && !small; }
   bool may_be_corner() const { return is_gap() && width >= kNarrowestCorner && width <= kWidestCorner; }
@@ -52,9 +52,10 @@ Joint joint(const RunView& runs, std::size_t loop, std::size_t k, const double* 
   const auto first = std::size_t(runs.loop_offsets[loop]), last = std::size_t(runs.loop_offsets[loop + 1]);
   const TrimPoint end = Entry(runs, k).back(), start = Entry(runs, k + 1 < last ? k + 1 : first).front();
   const double du = std::abs(start.u - end.u), dv = std::abs(start.v - end.v);
+  if (!(du > 0 || dv > 0)) return {false, false, 0.0};
   const double width = box[1] - box[0], height = box[3] - box[2];
-  const bool small = du <= kSnap * width && dv <= kSnap * height && last - first > 1;
-  return {du > 0 || dv > 0, small, std::hypot(du / width, dv / height)};
+  if (du <= kSnap * width && dv <= kSnap * height && last - first > 1) return {true, true, 0.0};
+  return {true, false, std::hypot(du / width, dv / height)};
 }
 
 struct Box {
