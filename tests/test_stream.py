@@ -69,11 +69,11 @@ def test_faces_come_in_the_order_orientation_and_place_that_opencascade_gives(so
     parsed = stream.read(shape)
     ours = placed_faces(parsed)
     model = convert(shape, source)
-    assert len(ours) == len(theirs) == model.face_count
-    assert [face.orientation for face in ours] == [int(face.Orientation().value) for face in theirs]
+    assert len(ours.shape) == len(theirs) == model.face_count
+    assert ours.orientation.tolist() == [int(face.Orientation().value) for face in theirs]
     same_shape: dict[int, TopoDS_Shape] = {}
-    for k, (face, reference) in enumerate(zip(ours, theirs, strict=True)):
-        assert same_shape.setdefault(face.shape, reference).IsPartner(reference)
+    for k, (number, reference) in enumerate(zip(ours.shape.tolist(), theirs, strict=True)):
+        assert same_shape.setdefault(number, reference).IsPartner(reference)
         own = TopLoc_Location()
         BRep_Tool.Surface_s(TopoDS.Face_s(reference.Located(TopLoc_Location())), own)
         trsf = (reference.Location() * own).Transformation()

@@ -254,6 +254,25 @@ nb::tuple order_uses_of(Indices wire, Pairs start, Pairs end, Pairs size) {
   return nb::make_tuple(owned(std::move(order.use)), owned(std::move(order.loop)), owned(std::move(order.unclear)));
 }
 
+auto owned_pairs(std::vector<double>&& pairs) {
+  const std::size_t count = pairs.size() / 2;
+  return owned(std::move(pairs), std::initializer_list<std::size_t>{count, 2});
+}
+
+SegmentView segment_view(Kept& kept, nb::handle segments) {
+  return {field<int64_t, nb::shape<-1>>(kept, segments, "first_point"),
+          field<int64_t, nb::shape<-1>>(kept, segments, "degree"),
+          field<double, nb::shape<-1, 3>>(kept, segments, "points")};
+}
+
+nb::tuple use_ends_of(Indices wire, Flags reversed, nb::handle segments) {
+  Kept kept;
+  const auto* offsets = field<int64_t, nb::shape<-1>>(kept, segments, "offsets");
+  UseEnds ends = use_ends(wire.size(), wire.data(), reversed.data(), offsets, segment_view(kept, segments));
+  return nb::make_tuple(owned_pairs(std::move(ends.start)), owned_pairs(std::move(ends.end)),
+                        owned_pairs(std::move(ends.size)));
+}
+
 RunView run_view(Kept& kept, nb::handle runs, nb::handle segments) {
   RunView view{};
   view.face = field<int64_t, nb::shape<-1>>(kept, runs, "face", &view.loops);
@@ -262,9 +281,7 @@ RunView run_view(Kept& kept, nb::handle runs, nb::handle segments) {
   view.backwards = field<bool, nb::shape<-1>>(kept, runs, "backwards");
   view.shift = field<double, nb::shape<-1, 2>>(kept, runs, "shift");
   view.edge = field<int64_t, nb::shape<-1>>(kept, runs, "edge");
-  view.table = {field<int64_t, nb::shape<-1>>(kept, segments, "first_point"),
-                field<int64_t, nb::shape<-1>>(kept, segments, "degree"),
-                field<double, nb::shape<-1, 3>>(kept, segments, "points")};
+  view.table = segment_view(kept, segments);
   return view;
 }
 
@@ -335,6 +352,8 @@ NB_MODULE(_native, module) {
              "The columns of SurfaceScan: surfaces, profiles, profile of each; and the byte behind the records.");
   module.def("scan_shapes", &scan_shapes_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),
              "The columns of ShapeScan: kinds, children, faces, edges, pcurves; and the byte behind the records.");
+  module.def("use_ends", &use_ends_of, nb::arg("wire"), nb::arg("reversed"), nb::arg("segments"),
+             "Start, end of edge uses in (u, v), extent of their wires, each (U, 2).");
   module.def("order_uses", &order_uses_of, nb::arg("wire"), nb::arg("start"), nb::arg("end"), nb::arg("size"),
              "Edge uses in the order of their loops: use, loop, unclear wires.");
   module.def("bounding_boxes", &bounding_boxes_of, nb::arg("runs"), nb::arg("segments"), nb::arg("faces"),

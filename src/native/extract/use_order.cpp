@@ -1,5 +1,6 @@
 #include "extract/use_order.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "extract/corners.h"
@@ -95,6 +96,38 @@ class WireOrder {
 };
 
 }  // namespace
+
+UseEnds use_ends(std::size_t count, const int64_t* wire, const bool* reversed, const int64_t* offsets,
+                 const SegmentView& table) {
+  UseEnds ends{std::vector<double>(2 * count), std::vector<double>(2 * count), std::vector<double>(2 * count)};
+  auto point = [&](int64_t segment, bool last) {
+    return table.points + 3 * (table.first_point[segment] + (last ? table.degree[segment] : 0));
+  };
+  for (std::size_t first = 0, last; first < count; first = last) {
+    double low[2], high[2], size[2];
+    for (int c = 0; c < 2; ++c) low[c] = high[c] = point(offsets[first], false)[c];
+    for (last = first; last < count && wire[last] == wire[first]; ++last) {
+      for (int64_t k = offsets[last]; k < offsets[last + 1]; ++k) {
+        for (int c = 0; c < 2; ++c) {
+          low[c] = std::min({low[c], point(k, false)[c], point(k, true)[c]});
+          high[c] = std::max({high[c], point(k, false)[c], point(k, true)[c]});
+        }
+      }
+      for (int c = 0; c < 2; ++c) {
+        const double from = point(offsets[last], false)[c], to = point(offsets[last + 1] - 1, true)[c];
+        ends.start[2 * last + c] = reversed[last] ? to : from;
+        ends.end[2 * last + c] = reversed[last] ? from : to;
+      }
+    }
+    const double largest = std::max(high[0] - low[0], high[1] - low[1]);
+    for (int c = 0; c < 2; ++c) {
+      size[c] = high[c] - low[c];
+      if (!(size[c] > 0)) size[c] = largest > 0 ? largest : 1.0;
+    }
+    for (std::size_t k = first; k < last; ++k) std::copy_n(size, 2, ends.size.data() + 2 * k);
+  }
+  return ends;
+}
 
 UseOrder order_uses(const UseView& uses) {
   UseOrder order;

@@ -4,7 +4,20 @@
 #include <cstdint>
 #include <vector>
 
+#include "extract/trim_loops.h"
+
 namespace nofacet {
+
+// Where the uses of edges begin and end in (u, v), and the extents of their wires, nowhere zero, by the ends of the
+// wires' segments; all (count, 2).
+struct UseEnds {
+  std::vector<double> start, end, size;
+};
+
+// The ends of uses, ordered by wire. Use k has segments offsets[k] .. offsets[k + 1] of the table, and its wire runs
+// against them if reversed[k].
+UseEnds use_ends(std::size_t count, const int64_t* wire, const bool* reversed, const int64_t* offsets,
+                 const SegmentView& table);
 
 // Uses of edges, ordered by wire. start, end: (count, 2), where each begins and ends in (u, v); size: (count, 2), the
 // extent of its wire.

@@ -66,6 +66,15 @@ class Ordered:
     unclear: Index
 
 
+def use_ends(wire: Index, reversed_: NDArray[np.bool_], segments: Segments) -> tuple[Array, Array, Array]:
+    """Where the uses of segments begin and end in (u, v), and the extents of their wires, each (U, 2).
+
+    wire: (U,) ascending; reversed_: (U,), whether the wire runs against the segments. Extents are by the segments'
+    ends, and nowhere zero.
+    """
+    return _native.use_ends(wire, reversed_, segments)
+
+
 def order_uses(wire: Index, start: Array, end: Array, size: Array) -> Ordered:
     """The order of uses (U,) within their wires where it is plain.
 

@@ -26,6 +26,7 @@ from .loops import (
     order_uses,
     rectangles,
     runs,
+    use_ends,
 )
 from .stream import Stream
 from .surfaces import INFINITE, collapsed, natural_bounds, periods
@@ -105,11 +106,7 @@ def _end_heights(order: Runs, curves: Segments, which: Index, end: int) -> Array
 def _runs(stream: Stream, faces: Index, uses: EdgeUses) -> tuple[Segments, Runs, dict[int, str]]:
     """All segments, their order in loops, and the faces that cannot have loops, with the reason."""
     curves = segments(stream, faces, uses)
-    first, last = curves.offsets[:-1], curves.offsets[1:] - 1
-    start = curves.points[curves.first_point[first], :2]
-    end = curves.points[curves.first_point[last] + curves.degree[last], :2]
-    start, end = np.where(uses.reversed[:, None], end, start), np.where(uses.reversed[:, None], start, end)
-    size = _extents(uses, curves)
+    start, end, size = use_ends(uses.wire, uses.reversed, curves)
     ordered = order_uses(uses.wire, start, end, size)
     difficult = _difficult(stream, faces, uses, ordered, start, end, size)
     easy = ~np.isin(uses.face[ordered.use], difficult)
@@ -128,20 +125,6 @@ def _runs(stream: Stream, faces: Index, uses: EdgeUses) -> tuple[Segments, Runs,
     against = np.append(uses.reversed, np.zeros(link_count, bool))[use]
     edge = np.append(_edge_numbers(stream, uses), np.full(link_count, -1))[use]
     return curves, runs(curves, face, loop, use, against, shift, edge), problems
-
-
-def _extents(uses: EdgeUses, curves: Segments) -> Array:
-    """For each use the extent (U, 2) of its wire, by the ends of the wire's segments; nowhere zero."""
-    ends = curves.points[np.stack([curves.first_point, curves.first_point + curves.degree]), :2]
-    wire = uses.wire
-    first = np.flatnonzero(np.append(True, wire[1:] != wire[:-1])[: len(wire)])
-    if not len(first):
-        return np.empty((0, 2))
-    runs = curves.offsets[first]
-    size = np.maximum.reduceat(ends.max(axis=0), runs) - np.minimum.reduceat(ends.min(axis=0), runs)
-    largest = size.max(axis=1, keepdims=True)
-    size = np.where(size > 0, size, np.where(largest > 0, largest, 1.0))
-    return np.repeat(size, np.diff(np.append(first, len(wire))), axis=0)
 
 
 def _difficult(
