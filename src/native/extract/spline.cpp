@@ -88,7 +88,7 @@ class Columns {
       : degree_(degree),
         components_(components),
         count_(count),
-        points_(components * std::size_t(degree + 1) * count),
+        points_(components * stride()),
         knots_(2 * std::size_t(degree) * count),
         start_(count),
         stop_(count) {}
@@ -114,6 +114,21 @@ class Columns {
   std::size_t components_, count_;
   std::vector<double> points_, knots_, start_, stop_;
 };
+
+constexpr std::size_t kTogether = 64;  // spans blossomed together: few enough to stay in the cache
+
+// Blossoms spans of one degree: put(job, columns, column) fills a column for each job, take(job, columns, column) gets
+// the Bezier points out again.
+template <class Jobs, class Put, class Take>
+void blossom_all(const Jobs& jobs, int degree, std::size_t components, Put&& put, Take&& take) {
+  for (std::size_t first = 0; first < jobs.size(); first += kTogether) {
+    const std::size_t count = std::min(kTogether, jobs.size() - first);
+    Columns columns(degree, components, count);
+    for (std::size_t k = 0; k < count; ++k) put(jobs[first + k], columns, k);
+    columns.blossom();
+    for (std::size_t k = 0; k < count; ++k) take(jobs[first + k], columns, k);
+  }
+}
 
 // Stored poles: `dim` coordinates, with a weight behind them if rational.
 class Poles {
@@ -171,37 +186,38 @@ StoredCurve read_curve(Bytes bytes, int dim, std::size_t owner, int64_t at, doub
 
 // All pieces of curves of one degree, rational or not.
 CurvePieces pieces_of(const std::vector<StoredCurve>& curves) {
+  struct Job {
+    const StoredCurve* curve;
+    const Span* span;
+  };
   const int degree = curves[0].vector.degree(), dim = curves[0].poles.dim();
   const std::size_t components = curves[0].poles.components();
   CurvePieces result{degree, {}, {}, {}, {}};
+  std::vector<Job> jobs;
   for (const StoredCurve& curve : curves) {
     for (const Span& span : curve.spans) {
+      jobs.push_back({&curve, &span});
       result.owner.push_back(int64_t(curve.owner));
       result.start.push_back(span.start);
       result.stop.push_back(span.stop);
     }
   }
-  const std::size_t count = result.owner.size();
-  Columns columns(degree, components, count);
-  std::size_t column = 0;
-  for (const StoredCurve& curve : curves) {
-    for (const Span& span : curve.spans) {
-      columns.set(column, curve.vector, span);
-      for (int i = 0; i <= degree; ++i) {
-        const int64_t pole = curve.vector.pole(curve.vector.first_pole(span.flat) + i);
-        curve.poles.get(pole, &columns.point(0, i, column), columns.stride());
-      }
-      ++column;
-    }
-  }
-  columns.blossom();
-  result.points.assign(count * std::size_t(degree + 1) * std::size_t(dim + 1), 1.0);
+  result.points.assign(jobs.size() * std::size_t(degree + 1) * std::size_t(dim + 1), 1.0);
   double* out = result.points.data();
-  for (std::size_t k = 0; k < count; ++k) {
-    for (int i = 0; i <= degree; ++i, out += dim + 1) {
-      for (std::size_t c = 0; c < components; ++c) out[c] = columns.point(c, i, k);
+  auto put = [&](const Job& job, Columns& columns, std::size_t column) {
+    const KnotVector& vector = job.curve->vector;
+    columns.set(column, vector, *job.span);
+    for (int i = 0; i <= degree; ++i) {
+      const int64_t pole = vector.pole(vector.first_pole(job.span->flat) + i);
+      job.curve->poles.get(pole, &columns.point(0, i, column), columns.stride());
     }
-  }
+  };
+  auto take = [&](const Job&, Columns& columns, std::size_t column) {
+    for (int i = 0; i <= degree; ++i, out += dim + 1) {
+      for (std::size_t c = 0; c < components; ++c) out[c] = columns.point(c, i, column);
+    }
+  };
+  blossom_all(jobs, degree, components, put, take);
   return result;
 }
 
@@ -238,72 +254,84 @@ StoredSurface read_surface(Bytes bytes, bool bezier, std::size_t owner, int64_t 
   return {owner, std::move(u), std::move(v), poles, columns, std::move(in_u), std::move(in_v)};
 }
 
-// Every needed row of poles blossomed in v: one column for each span in v and row, surface by surface.
-Columns strips_of(const std::vector<StoredSurface>& surfaces) {
+// Every needed row of poles blossomed in v, surface by surface, span by span, row by row: for each `components` values
+// of its points, one point behind the other.
+std::vector<double> strips_of(const std::vector<StoredSurface>& surfaces) {
+  struct Job {
+    const StoredSurface* surface;
+    const Span* span;
+    int64_t row;
+  };
   const int degree = surfaces[0].v.degree();
   const std::size_t components = surfaces[0].poles.components();
-  std::size_t count = 0;
-  for (const StoredSurface& surface : surfaces) count += surface.in_v.size() * surface.rows();
-  Columns strips(degree, components, count);
-  std::size_t column = 0;
+  std::vector<Job> jobs;
   for (const StoredSurface& surface : surfaces) {
     for (const Span& span : surface.in_v) {
-      for (std::size_t row = 0; row < surface.rows(); ++row, ++column) {
-        const int64_t first = surface.u.pole(surface.first_row() + int64_t(row)) * surface.columns;
-        strips.set(column, surface.v, span);
-        for (int j = 0; j <= degree; ++j) {
-          const int64_t pole = first + surface.v.pole(surface.v.first_pole(span.flat) + j);
-          surface.poles.get(pole, &strips.point(0, j, column), strips.stride());
-        }
+      for (std::size_t row = 0; row < surface.rows(); ++row) {
+        jobs.push_back({&surface, &span, surface.u.pole(surface.first_row() + int64_t(row))});
       }
     }
   }
-  strips.blossom();
+  std::vector<double> strips(jobs.size() * components * std::size_t(degree + 1));
+  double* out = strips.data();
+  auto put = [&](const Job& job, Columns& columns, std::size_t column) {
+    const KnotVector& v = job.surface->v;
+    columns.set(column, v, *job.span);
+    for (int j = 0; j <= degree; ++j) {
+      const int64_t pole = job.row * job.surface->columns + v.pole(v.first_pole(job.span->flat) + j);
+      job.surface->poles.get(pole, &columns.point(0, j, column), columns.stride());
+    }
+  };
+  auto take = [&](const Job&, Columns& columns, std::size_t column) {
+    for (int j = 0; j <= degree; ++j) {
+      for (std::size_t c = 0; c < components; ++c) *out++ = columns.point(c, j, column);
+    }
+  };
+  blossom_all(jobs, degree, components, put, take);
   return strips;
 }
 
 // All patches of surfaces of one bidegree, rational or not: blossomed in v first, then in u.
 SurfacePatches patches_of(const std::vector<StoredSurface>& surfaces) {
+  struct Job {
+    const StoredSurface* surface;
+    const Span* span;
+    const double* strip;  // of the first of degree_u + 1 rows
+  };
   const int du = surfaces[0].u.degree(), dv = surfaces[0].v.degree();
-  const std::size_t components = surfaces[0].poles.components();
+  const std::size_t components = surfaces[0].poles.components(), across = components * std::size_t(dv + 1);
+  const std::vector<double> strips = strips_of(surfaces);
   SurfacePatches result{du, dv, {}, {}, {}};
+  std::vector<Job> jobs;
+  const double* own = strips.data();
   for (const StoredSurface& surface : surfaces) {
     for (const Span& u : surface.in_u) {
-      for (const Span& v : surface.in_v) {
+      const auto row = std::size_t(u.flat - surface.in_u.front().flat);
+      for (std::size_t v = 0; v < surface.in_v.size(); ++v) {
+        jobs.push_back({&surface, &u, own + (v * surface.rows() + row) * across});
         result.owner.push_back(int64_t(surface.owner));
-        result.domain.insert(result.domain.end(), {u.start, u.stop, v.start, v.stop});
+        result.domain.insert(result.domain.end(), {u.start, u.stop, surface.in_v[v].start, surface.in_v[v].stop});
       }
     }
+    own += surface.in_v.size() * surface.rows() * across;
   }
-  Columns strips = strips_of(surfaces);
-  const std::size_t count = result.owner.size(), across = std::size_t(dv + 1);
-  Columns nets(du, components * across, count);
-  std::size_t column = 0, strip = 0;
-  for (const StoredSurface& surface : surfaces) {
-    for (const Span& u : surface.in_u) {
-      for (std::size_t v = 0; v < surface.in_v.size(); ++v, ++column) {
-        nets.set(column, surface.u, u);
-        const std::size_t row = std::size_t(u.flat - surface.in_u.front().flat);
-        for (std::size_t c = 0; c < components * across; ++c) {
-          for (int i = 0; i <= du; ++i) {
-            nets.point(c, i, column) =
-                strips.point(c / across, int(c % across), strip + v * surface.rows() + row + std::size_t(i));
-          }
-        }
-      }
-    }
-    strip += surface.in_v.size() * surface.rows();
-  }
-  nets.blossom();
-  result.points.assign(count * std::size_t(du + 1) * across * 4, 1.0);
+  result.points.assign(jobs.size() * std::size_t(du + 1) * std::size_t(dv + 1) * 4, 1.0);
   double* out = result.points.data();
-  for (std::size_t k = 0; k < count; ++k) {
+  auto put = [&](const Job& job, Columns& columns, std::size_t column) {
+    columns.set(column, job.surface->u, *job.span);
+    const double* value = job.strip;
     for (int i = 0; i <= du; ++i) {
-      for (std::size_t j = 0; j < across; ++j, out += 4) {
-        for (std::size_t c = 0; c < components; ++c) out[c] = nets.point(c * across + j, i, k);
+      for (std::size_t c = 0; c < across; ++c) columns.point(c, i, column) = *value++;
+    }
+  };
+  auto take = [&](const Job&, Columns& columns, std::size_t column) {
+    for (int i = 0; i <= du; ++i) {
+      for (int j = 0; j <= dv; ++j, out += 4) {
+        for (std::size_t c = 0; c < components; ++c) out[c] = columns.point(std::size_t(j) * components + c, i, column);
       }
     }
-  }
+  };
+  blossom_all(jobs, du, across, put, take);
   return result;
 }
 
@@ -336,30 +364,23 @@ std::vector<SurfacePatches> spline_patches(Bytes bytes, bool bezier, std::size_t
 CurvePieces curve_pieces(const KnotVector& vector, const double* poles, std::size_t components, double low,
                          double high) {
   const std::vector<Span> wanted = spans(vector, low, high);
-  const auto order = std::size_t(vector.degree() + 1);
-  CurvePieces result{vector.degree(), {}, {}, {}, std::vector<double>(wanted.size() * order * components)};
-  Columns columns(vector.degree(), components, wanted.size());
-  auto each_point = [&](auto&& visit) {
-    for (std::size_t k = 0; k < wanted.size(); ++k) {
-      for (std::size_t i = 0; i < order; ++i) {
-        for (std::size_t c = 0; c < components; ++c) visit(k, i, c);
-      }
+  CurvePieces result{vector.degree(), {}, {}, {}, {}};
+  auto put = [&](const Span& span, Columns& columns, std::size_t column) {
+    columns.set(column, vector, span);
+    for (int i = 0; i <= vector.degree(); ++i) {
+      const auto pole = std::size_t(vector.pole(vector.first_pole(span.flat) + i));
+      for (std::size_t c = 0; c < components; ++c) columns.point(c, i, column) = poles[pole * components + c];
     }
   };
-  each_point([&](std::size_t k, std::size_t i, std::size_t c) {
-    const int64_t pole = vector.pole(vector.first_pole(wanted[k].flat) + int64_t(i));
-    columns.point(c, int(i), k) = poles[std::size_t(pole) * components + c];
-  });
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
-    columns.set(k, vector, wanted[k]);
+  auto take = [&](const Span& span, Columns& columns, std::size_t column) {
     result.owner.push_back(0);
-    result.start.push_back(wanted[k].start);
-    result.stop.push_back(wanted[k].stop);
-  }
-  columns.blossom();
-  each_point([&](std::size_t k, std::size_t i, std::size_t c) {
-    result.points[(k * order + i) * components + c] = columns.point(c, int(i), k);
-  });
+    result.start.push_back(span.start);
+    result.stop.push_back(span.stop);
+    for (int i = 0; i <= vector.degree(); ++i) {
+      for (std::size_t c = 0; c < components; ++c) result.points.push_back(columns.point(c, i, column));
+    }
+  };
+  blossom_all(wanted, vector.degree(), components, put, take);
   return result;
 }
 
