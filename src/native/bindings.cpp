@@ -303,8 +303,7 @@ auto corner_gaps_of(nb::handle runs, nb::handle segments, BoxRows boxes) {
 nb::tuple close_loops_of(nb::handle runs, nb::handle segments, BoxRows boxes, Flags kept_faces, Flags at_pole) {
   Kept kept;
   std::vector<double> moved(boxes.data(), boxes.data() + boxes.size());
-  LoopTable loops =
-      close_loops(run_view(kept, runs, segments), kept_faces.data(), at_pole.data(), kept_faces.size(), moved.data());
+  LoopTable loops = close_loops(run_view(kept, runs, segments), kept_faces.data(), at_pole.data(), moved.data());
   const std::size_t count = loops.points.size() / 3;
   return nb::make_tuple(owned(std::move(loops.face)), owned(std::move(loops.loop_offsets)),
                         owned(std::move(loops.segment_offsets)),

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <span>
 
 #include "extract/corners.h"
 
@@ -56,6 +55,18 @@ Joint joint(const RunView& runs, std::size_t loop, std::size_t k, const double* 
   const double width = box[1] - box[0], height = box[3] - box[2];
   if (du <= kSnap * width && dv <= kSnap * height && last - first > 1) return {true, true, 0.0};
   return {true, false, std::hypot(du / width, dv / height)};
+}
+
+// All joints; boxes: (faces, 4).
+std::vector<Joint> joints_of(const RunView& runs, const double* boxes) {
+  std::vector<Joint> joints;
+  joints.reserve(runs.entries());
+  for (std::size_t loop = 0; loop < runs.loops; ++loop) {
+    for (auto k = std::size_t(runs.loop_offsets[loop]); k < std::size_t(runs.loop_offsets[loop + 1]); ++k) {
+      joints.push_back(joint(runs, loop, k, boxes + 4 * runs.face[loop]));
+    }
+  }
+  return joints;
 }
 
 struct Box {
@@ -184,17 +195,17 @@ class LoopWriter {
 };
 
 // A loop without corners: small gaps are moved away, wide ones get a link.
-void write_linked(const RunView& runs, std::size_t loop, const double* box, LoopTable* table) {
+void write_linked(const RunView& runs, std::size_t loop, const std::vector<Joint>& joints, LoopTable* table) {
   LoopWriter writer(table);
   const auto first = std::size_t(runs.loop_offsets[loop]), last = std::size_t(runs.loop_offsets[loop + 1]);
   const std::size_t begin = table->points.size();
   for (std::size_t k = first; k < last; ++k) {
     const Entry entry(runs, k);
-    const bool moved = k > first && joint(runs, loop, k - 1, box).small;
+    const bool moved = k > first && joints[k - 1].small;
     writer.point(moved ? Entry(runs, k - 1).back() : entry.front());
     for (int i = 1; i <= entry.degree(); ++i) writer.point(entry[i]);
     writer.end_segment(runs.edge[k]);
-    const Joint behind = joint(runs, loop, k, box);
+    const Joint& behind = joints[k];
     if (behind.is_gap()) {
       writer.point(entry.back());
       writer.point(Entry(runs, k + 1 < last ? k + 1 : first).front());
@@ -283,30 +294,25 @@ std::vector<double> bounding_boxes(const RunView& runs, std::size_t faces) {
 
 std::vector<int64_t> corner_gaps(const RunView& runs, const double* boxes) {
   std::vector<int64_t> result;
-  for (std::size_t loop = 0; loop < runs.loops; ++loop) {
-    const double* box = boxes + 4 * runs.face[loop];
-    for (int64_t k = runs.loop_offsets[loop]; k < runs.loop_offsets[loop + 1]; ++k) {
-      if (joint(runs, loop, std::size_t(k), box).may_be_corner()) result.push_back(k);
-    }
+  const std::vector<Joint> joints = joints_of(runs, boxes);
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    if (joints[k].may_be_corner()) result.push_back(int64_t(k));
   }
   return result;
 }
 
-LoopTable close_loops(const RunView& runs, const bool* kept, const bool* at_pole, std::size_t faces, double* boxes) {
+LoopTable close_loops(const RunView& runs, const bool* kept, const bool* at_pole, double* boxes) {
   LoopTable table;
+  table.points.reserve(9 * runs.entries());
   Boxes measure;
-  std::vector<char> has_corners(faces, 0);
-  for (std::size_t loop = 0; loop < runs.loops; ++loop) {
-    const double* box = boxes + 4 * runs.face[loop];
-    for (int64_t k = runs.loop_offsets[loop]; k < runs.loop_offsets[loop + 1]; ++k) {
-      if (joint(runs, loop, std::size_t(k), box).may_be_corner()) has_corners[runs.face[loop]] = 1;
-    }
-  }
+  const std::vector<Joint> joints = joints_of(runs, boxes);
   each_face(runs.loops, runs.face, [&](std::size_t face, std::size_t first, std::size_t last) {
-    double* box = boxes + 4 * face;
     if (!kept[face]) return;
-    if (has_corners[face]) return write_welded(runs, first, last, at_pole, measure, box, &table);
-    for (std::size_t loop = first; loop < last; ++loop) write_linked(runs, loop, box, &table);
+    const auto begin = joints.begin() + runs.loop_offsets[first], end = joints.begin() + runs.loop_offsets[last];
+    if (std::any_of(begin, end, [](const Joint& joint) { return joint.may_be_corner(); })) {
+      return write_welded(runs, first, last, at_pole, measure, boxes + 4 * face, &table);
+    }
+    for (std::size_t loop = first; loop < last; ++loop) write_linked(runs, loop, joints, &table);
   });
   return table;
 }

@@ -49,7 +49,7 @@ std::vector<int64_t> corner_gaps(const RunView& runs, const double* boxes);
 // The loops of the faces that are `kept` (faces,), closed: small gaps are moved away, corners made, other gaps get a
 // straight link. at_pole: (entries,), whether the joint behind an entry is on a line that is one point in space. Boxes
 // of faces with corners are brought up to date.
-LoopTable close_loops(const RunView& runs, const bool* kept, const bool* at_pole, std::size_t faces, double* boxes);
+LoopTable close_loops(const RunView& runs, const bool* kept, const bool* at_pole, double* boxes);
 
 // Whether each face's loops are one loop once around its box, every segment on one of the box's sides.
 std::vector<uint8_t> rectangles(const LoopView& loops, const double* boxes, std::size_t faces);
