@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from conftest import SHARED_MODELS
 
 pytest.importorskip("OCP")
 
+import OCP.BinTools as bintools
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
 from OCP.BRepTools import BRepTools
@@ -103,6 +106,17 @@ def test_null_shapes_and_foreign_bytes_are_input_errors() -> None:
         stream.read(TopoDS_Shape())
     with pytest.raises(InputError):
         stream.parse(b"\nOpen CASCADE Topology V3 (c)\nLocations 0\n")
+
+
+def test_bytes_that_end_too_early_are_input_errors() -> None:
+    buffer = io.BytesIO()
+    shape = compound(nested(), BRepPrimAPI_MakeCylinder(2.0, 5.0).Shape())
+    bintools.BinTools.Write_s(shape, buffer, False, False, bintools.BinTools_FormatVersion_VERSION_4)
+    data = buffer.getvalue()
+    assert len(stream.parse(data).kinds) > 20
+    for length in [*range(0, len(data) - 1, 97), len(data) - 1]:
+        with pytest.raises(InputError):
+            stream.parse(data[:length])
 
 
 def test_edges_and_curves_of_a_cylinder() -> None:

@@ -55,11 +55,12 @@ def name_of(path: str, measure: bool) -> str | None:
         return None
     try:
         content = Path(path).read_bytes()
-    except OSError:
+        digest = hashlib.sha256(json.dumps([os.path.basename(path), measure, *_code()]).encode())
+    except (OSError, ValueError) as problem:  # ValueError: a module OCP that says nothing of where it comes from
+        _log.debug("cache: %s", problem)
         return None
     if _REFERENCE in content:
         return None
-    digest = hashlib.sha256(json.dumps([os.path.basename(path), measure, *_code()]).encode())
     digest.update(content)
     return digest.hexdigest()
 
