@@ -29,8 +29,8 @@ using Array = nb::ndarray<const T, nb::c_contig, nb::device::cpu, Shape...>;
 template <class T>
 using Buffer = std::optional<nb::ndarray<T, nb::c_contig, nb::device::cpu>>;
 
-// Python arrays that C++ looks into.
-using Kept = std::vector<nb::object>;
+// Python arrays that C++ looks into; copies of them where they had the wrong type or layout.
+using Kept = std::vector<nb::ndarray<>>;
 
 // The prepared scene and the arrays it looks into.
 struct BoundScene {
@@ -40,9 +40,8 @@ struct BoundScene {
 
 template <class T, class... Shape>
 const T* field(Kept& kept, nb::handle owner, const char* name, std::size_t* count = nullptr) {
-  nb::object object = owner.attr(name);
-  const auto array = nb::cast<Array<T, Shape...>>(object);
-  kept.push_back(object);
+  const auto array = nb::cast<Array<T, Shape...>>(owner.attr(name));
+  kept.emplace_back(array);
   if (count) *count = array.shape(0);
   return array.data();
 }
@@ -170,12 +169,19 @@ using Column = Array<double, nb::shape<-1>>;
 
 Bytes bytes_of(const nb::bytes& data) { return {static_cast<const unsigned char*>(data.data()), data.size()}; }
 
+// All columns of a table must be as long as the first.
+template <class... Arrays>
+void check_lengths(std::size_t count, const Arrays&... arrays) {
+  if (((arrays.shape(0) != count) || ...)) throw std::invalid_argument("columns of different lengths");
+}
+
 auto owned_points(std::vector<double>&& points, std::size_t count, int degree, std::size_t components) {
   return owned(std::move(points), std::initializer_list<std::size_t>{count, std::size_t(degree + 1), components});
 }
 
 nb::tuple curve_pieces_of(int degree, Array<double, nb::shape<-1, -1>> poles, Column knots,
                           Array<int32_t, nb::shape<-1>> multiplicities, bool periodic, double low, double high) {
+  check_lengths(knots.size(), multiplicities);
   const KnotVector vector(degree, periodic, std::vector<double>(knots.data(), knots.data() + knots.size()),
                           std::vector<int>(multiplicities.data(), multiplicities.data() + multiplicities.size()), low,
                           high);
@@ -187,6 +193,7 @@ nb::tuple curve_pieces_of(int degree, Array<double, nb::shape<-1, -1>> poles, Co
 }
 
 nb::list spline_pieces_of(const nb::bytes& data, int dim, Array<int64_t, nb::shape<-1>> at, Column first, Column last) {
+  check_lengths(at.size(), first, last);
   nb::list result;
   for (CurvePieces& part : spline_pieces(bytes_of(data), dim, at.size(), at.data(), first.data(), last.data())) {
     const std::size_t count = part.owner.size();
@@ -199,6 +206,7 @@ nb::list spline_pieces_of(const nb::bytes& data, int dim, Array<int64_t, nb::sha
 
 nb::list spline_patches_of(const nb::bytes& data, bool bezier, Array<int64_t, nb::shape<-1>> at,
                            Array<double, nb::shape<-1, 4>> boxes) {
+  check_lengths(at.size(), boxes);
   nb::list result;
   for (SurfacePatches& part : spline_patches(bytes_of(data), bezier, at.size(), at.data(), boxes.data())) {
     const std::size_t count = part.owner.size();
@@ -250,6 +258,7 @@ using Pairs = Array<double, nb::shape<-1, 2>>;
 using BoxRows = Array<double, nb::shape<-1, 4>>;
 
 nb::tuple order_uses_of(Indices wire, Pairs start, Pairs end, Pairs size) {
+  check_lengths(wire.size(), start, end, size);
   UseOrder order = order_uses({wire.size(), wire.data(), start.data(), end.data(), size.data()});
   return nb::make_tuple(owned(std::move(order.use)), owned(std::move(order.loop)), owned(std::move(order.unclear)));
 }
@@ -267,6 +276,7 @@ SegmentView segment_view(Kept& kept, nb::handle segments) {
 
 nb::tuple use_ends_of(Indices wire, Flags reversed, nb::handle segments) {
   Kept kept;
+  check_lengths(wire.size(), reversed);
   const auto* offsets = field<int64_t, nb::shape<-1>>(kept, segments, "offsets");
   UseEnds ends = use_ends(wire.size(), wire.data(), reversed.data(), offsets, segment_view(kept, segments));
   return nb::make_tuple(owned_pairs(std::move(ends.start)), owned_pairs(std::move(ends.end)),
@@ -302,6 +312,7 @@ auto corner_gaps_of(nb::handle runs, nb::handle segments, BoxRows boxes) {
 
 nb::tuple close_loops_of(nb::handle runs, nb::handle segments, BoxRows boxes, Flags kept_faces, Flags at_pole) {
   Kept kept;
+  check_lengths(boxes.shape(0), kept_faces);
   std::vector<double> moved(boxes.data(), boxes.data() + boxes.size());
   LoopTable loops = close_loops(run_view(kept, runs, segments), kept_faces.data(), at_pole.data(), moved.data());
   const std::size_t count = loops.points.size() / 3;
