@@ -29,9 +29,11 @@ double Region::signed_area() const {
   constexpr int kChords = 8;
   double twice = 0.0;
   for (const TrimArc& arc : arcs_) {
-    CurvePoint from = arc.at(arc.t0);
-    for (int k = 1; k <= kChords; ++k) {
-      const CurvePoint to = arc.at(arc.t0 + (arc.t1 - arc.t0) * k / kChords);
+    CurvePoint from{arc.u0, arc.v0, 0, 0};
+    const int chords = arc.degree == 1 ? 1 : kChords;
+    for (int k = 1; k <= chords; ++k) {
+      const CurvePoint to =
+          k == chords ? CurvePoint{arc.u1, arc.v1, 0, 0} : arc.at(arc.t0 + (arc.t1 - arc.t0) * k / chords);
       twice += (from.u - arcs_[0].u0) * (to.v - arcs_[0].v0) - (to.u - arcs_[0].u0) * (from.v - arcs_[0].v0);
       from = to;
     }
