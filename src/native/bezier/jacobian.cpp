@@ -112,12 +112,12 @@ Scaled shifted(const Net& net, Component which, const Scaled& weight) {
 
 }  // namespace
 
-double jacobian_form(const Net& net, bool rational, Grid out) {
+void jacobian_form(const Net& net, bool rational, Grid out) {
   const Scaled w = component(net, kW), x = shifted(net, kX, w), y = shifted(net, kY, w);
   const Scaled xa = derivative_a(x), xb = derivative_b(x), ya = derivative_a(y), yb = derivative_b(y);
   if (!rational) {
     store(cross(xa, yb, xb, ya), out);
-    return largest(xa) * largest(yb) + largest(xb) * largest(ya);
+    return;
   }
   const Scaled wa = derivative_a(w), wb = derivative_b(w);
   const Scaled x_minor = cross(ya, wb, yb, wa), y_minor = cross(xb, wa, xa, wb), w_minor = cross(xa, yb, xb, ya);
@@ -128,7 +128,6 @@ double jacobian_form(const Net& net, bool rational, Grid out) {
   add_product(1.0, y, y_minor, sum);
   add_product(1.0, w, w_minor, sum);
   store(sum, out);
-  return largest(x) * largest(x_minor) + largest(y) * largest(y_minor) + largest(w) * largest(w_minor);
 }
 
 double turn_form(const Net& net, bool rational, const Grid& jacobian, Grid out) {

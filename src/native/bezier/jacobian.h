@@ -27,11 +27,10 @@ struct JacobianDegrees {
         turn_m(j_m + (rational ? 2 * m - 1 : m - 1)) {}
 };
 
-// Writes J; `out` has the degrees for it. Returns the size of the terms it is made of: its rounding errors are within
-// about 1e-15 of that.
-double jacobian_form(const Net& net, bool rational, Grid out);
+// Writes J; `out` has the degrees for it.
+void jacobian_form(const Net& net, bool rational, Grid out);
 // Writes J_a y_b - J_b y_a, which has the sign of dJ along the curves y = const, once y_b is positive. Returns the size
-// of its terms.
+// of its terms: its rounding errors are within about 1e-15 of that.
 double turn_form(const Net& net, bool rational, const Grid& jacobian, Grid out);
 
 }  // namespace nofacet

@@ -169,13 +169,13 @@ void BandPainter::solve_values() {
   for (int32_t k = 0; k < order_; ++k) job_starts_[k + 1] += job_starts_[k];
   sorted_.resize(jobs_.size());
   for (const PixelJob& job : jobs_) sorted_[job_starts_[job.span->order]++] = job;
-  failed_.clear();
+  hard_.clear();
   for (std::size_t first = 0, last = 0; first < sorted_.size(); first = last) {
     const Piece* piece = sorted_[first].span->piece;
     while (last < sorted_.size() && sorted_[last].span->piece == piece) ++last;
-    solve_pixels(scene_, camera_, frame_, *piece, sorted_.data() + first, last - first, failed_);
+    solve_pixels(scene_, camera_, frame_, *piece, sorted_.data() + first, last - first, hard_);
   }
-  for (const PixelJob& job : failed_) solve_hard_pixel(scene_, camera_, frame_, job);
+  for (const HardPixel& pixel : hard_) solve_hard_pixel(scene_, camera_, frame_, pixel);
 }
 
 void BandPainter::collect_jobs(int row) {

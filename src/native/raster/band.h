@@ -70,7 +70,8 @@ class BandPainter {
   int32_t order_ = 0;  // of the last piece inserted
   std::vector<VisibleSegment> front_;
 
-  std::vector<PixelJob> jobs_, sorted_, failed_;
+  std::vector<PixelJob> jobs_, sorted_;
+  std::vector<HardPixel> hard_;
   std::vector<int32_t> job_starts_;
 
   std::deque<ScanLine> level_lines_;  // planes added to locate level edges; the first level_count_ are in use

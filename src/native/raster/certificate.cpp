@@ -133,12 +133,15 @@ Certificate certify_cut(const NetBounds& bounds, const Grid& jacobian, const Gri
   // The flatter graph, if both are.
   const auto slope = [](const QuotientBounds& y) { return y.fa.magnitude() / y.fb.mignitude(); };
   certificate.transposed = straight && across ? slope(turned) < slope(bounds.y) : across;
+  // J is at most W^3 steepness times dx/da along a cut. What it reaches to the other side of zero, if only by rounding
+  // on a border that is a silhouette, moves x back by no more than is negligible.
   const Interval j = range_of(jacobian);
-  if (clearly_one_signed(j, scales.jacobian_terms)) {
-    certificate.kind = CutKind::regular;
-  } else if (const double steepness = (certificate.transposed ? turned : bounds.y).fb.mignitude();
-             j.magnitude() < kSliverPixels * steepness * scales.weight * scales.weight * scales.weight) {
+  const double steepness = (certificate.transposed ? turned : bounds.y).fb.mignitude();
+  const double pixel = steepness * scales.weight * scales.weight * scales.weight;
+  if (j.magnitude() < kSliverPixels * pixel) {
     certificate.kind = CutKind::sliver;
+  } else if (j.lo > -kNegligiblePixels * pixel || j.hi < kNegligiblePixels * pixel) {
+    certificate.kind = CutKind::regular;
   } else if (turn.coefficients && clearly_one_signed(range_of(turn), scales.turn_terms)) {
     certificate.kind = CutKind::fold;
   } else {

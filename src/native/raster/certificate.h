@@ -10,6 +10,10 @@ namespace nofacet {
 // is level to within this. Real files are full of walls that are edge-on up to the digits the file was written with.
 inline constexpr double kSliverPixels = 1e-6;
 
+// A length on the screen, in pixels, below which nothing is told apart: what remains uncertified at this size is
+// drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
+inline constexpr double kNegligiblePixels = 1e-9;
+
 // What is proved of the cut y = const of a piece, for every y: it is a graph over one parameter (y depends on the other
 // one strictly), and along it the screen x
 enum class CutKind : unsigned char {
@@ -31,10 +35,10 @@ struct Certificate {
 // By interval bounds alone.
 Certificate certify_cut(const Net& net, const NetBounds& bounds);
 
-// What is known of a patch whose forms are carried along: the sizes of the terms that they are made of, by which
+// What is known of a patch whose forms are carried along: the size of the terms that the turn is made of, by which
 // rounding errors are measured, and the least weight.
 struct CarriedForms {
-  double jacobian_terms = 0.0, turn_terms = 0.0, weight = 1.0;
+  double turn_terms = 0.0, weight = 1.0;
 };
 // With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter.
 Certificate certify_cut(const NetBounds& bounds, const Grid& jacobian, const Grid& turn, const CarriedForms& scales);

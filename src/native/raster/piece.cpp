@@ -163,7 +163,7 @@ void PieceBuilder::carry_forms(Node& root) {
   root.turn = {degrees.turn_n, degrees.turn_m, nullptr};
   forms_.resize(root.jacobian.size() + root.turn.size());
   root.jacobian.coefficients = forms_.data();
-  scales_.jacobian_terms = jacobian_form(net, rational, root.jacobian);
+  jacobian_form(net, rational, root.jacobian);
   const auto [lo, hi] = std::minmax_element(forms_.data(), forms_.data() + root.jacobian.size());
   if (*lo > 0 || *hi < 0) return;  // no folds
   root.turn.coefficients = forms_.data() + root.jacobian.size();

@@ -21,11 +21,8 @@
 
 namespace nofacet {
 
-// A length on the screen, in pixels, below which nothing is told apart: what remains uncertified at this size is
-// drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
-inline constexpr double kNegligiblePixels = 1e-9;
-
-// A part of a trim arc inside one piece, along which the screen y moves one way only.
+// A part of a trim arc inside one piece, along which the screen y moves one way only; or one that no scan plane of the
+// frame meets, which is kept for its range of y only (arc is null).
 struct TrimPortion {
   const TrimArc* arc;
   double t0, t1;
@@ -133,7 +130,7 @@ class PieceBuilder {
   std::vector<Piece>* out_ = nullptr;
 };
 
-// Appends to `out` the parts of `arc` inside `piece` that some plane meets, each monotone in screen y.
+// Appends to `out` the parts of `arc` inside `piece`, each monotone in screen y.
 void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes, std::vector<TrimPortion>& out);
 
 }  // namespace nofacet

@@ -42,10 +42,11 @@ struct View {
   const Frame& frame;
   const Piece& piece;
   const float* color;
+  bool values;     // whether anything but uv is written
   double half[3];  // unit vector between the key light and the eye (orthographic)
 
-  View(const Camera& c, const Frame& f, const Piece& p, const float* face_color)
-      : camera(c), frame(f), piece(p), color(face_color), half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
+  View(const Camera& c, const Frame& f, const Piece& p, const float* face_color, bool with_values)
+      : camera(c), frame(f), piece(p), color(face_color), values(with_values), half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
     const double length = std::sqrt(Camera::dot(half, half));
     for (double& h : half) h /= length;
   }
@@ -168,7 +169,7 @@ HWY_INLINE void write_normal(Lanes d, const View& view, std::size_t at, int coun
   std::copy_n(part, 3 * count, view.frame.normal + 3 * at);
 }
 
-// Writes the colour, normal and depth of the `count` pixels from index `at` of the frame on.
+// Writes the colour and depth of the `count` pixels from index `at` of the frame on.
 HWY_INLINE void write_lanes(Lanes d, const View& view, std::size_t at, int count, Vec key, Vec nx, Vec ny, Vec nz, Vec x,
                             Vec y) {
   const Frame& frame = view.frame;
@@ -191,7 +192,6 @@ HWY_INLINE void write_lanes(Lanes d, const View& view, std::size_t at, int count
     hn::StoreInterleaved4(rgb.red, rgb.green, rgb.blue, hn::Set(df, 1.0f), df, count == width ? out : part);
     if (count != width) std::copy_n(part, 4 * count, out);
   }
-  if (frame.normal) write_normal(d, view, at, count, nx, ny, nz);
 }
 
 // A whole piece whose key plane is exact: depth is linear and the normal the same everywhere.
@@ -210,8 +210,9 @@ void SolvePlanar(const View& view, const PixelJob* jobs, std::size_t count) {
     Vec x = hn::Add(hn::Iota(d, 0.0), hn::Set(d, job->first + 0.5));
     const std::size_t row = std::size_t(job->row) * view.frame.width;
     for (int px = job->first; px < job->last; px += width, x = hn::Add(x, step)) {
-      write_lanes(d, view, row + px, std::min(width, job->last - px), hn::MulAdd(along, x, level), nx, ny,
-                  hn::Set(d, nz), x, y);
+      const int part = std::min(width, job->last - px);
+      write_lanes(d, view, row + px, part, hn::MulAdd(along, x, level), nx, ny, hn::Set(d, nz), x, y);
+      if (view.frame.normal) write_normal(d, view, row + px, part, nx, ny, hn::Set(d, nz));
     }
   }
 }
@@ -261,7 +262,7 @@ struct SolveCurved {
   const NetKind& net;
   const PixelJob* jobs;
   std::size_t count;
-  std::vector<PixelJob>& failed;
+  std::vector<HardPixel>& hard;
 
   template <int kN, int kM, bool kRational>
   HWY_ATTR void operator()() const {
@@ -322,22 +323,28 @@ struct SolveCurved {
   HWY_INLINE void solve_vector(const PixelJob& job, int px, int count, const SpanBox& box, Vec x, Vec a, Vec b) const {
     const Lanes d;
     const Vec y = hn::Set(d, job.row + 0.5);
-    const double normal_tolerance = view.frame.normal ? kNormalTolerance : kShadeTolerance;
     const Origin origin = origin_of(net);
     LaneJet jet;
     Point point;
-    for (int iteration = 1;; ++iteration) {
-      box.clamp(a, b);
-      evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
-      newton_step<kRational>(d, view, origin, jet, x, y, normal_tolerance, point);
-      a = hn::Add(a, point.da), b = hn::Add(b, point.db);
-      if (iteration == kMaxPixelNewton || hn::AllTrue(d, point.accurate)) break;
-    }
+    const auto iterate = [&](int iterations, double normal_tolerance) HWY_ATTR {
+      for (int iteration = 1;; ++iteration) {
+        box.clamp(a, b);
+        evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
+        newton_step<kRational>(d, view, origin, jet, x, y, normal_tolerance, point);
+        a = hn::Add(a, point.da), b = hn::Add(b, point.db);
+        if (iteration == iterations || hn::AllTrue(d, point.accurate)) break;
+      }
+      return hn::And(hn::And(point.accurate, point.regular), box.contains(a, b));
+    };
     const std::size_t at = std::size_t(job.row) * view.frame.width + px;
-    write_lanes(d, view, at, count, point.key, point.nx, point.ny, point.nz, x, y);
+    const Mask sound = iterate(kMaxPixelNewton, kShadeTolerance);
+    if (view.values) write_lanes(d, view, at, count, point.key, point.nx, point.ny, point.nz, x, y);
     if (view.frame.uv) write_uv(d, at, count, a, b);
-    const Mask sound = hn::And(hn::And(point.accurate, point.regular), box.contains(a, b));
-    if (!hn::AllTrue(d, sound)) queue_failed(d, job, px, count, sound);
+    if (!hn::AllTrue(d, sound)) queue_hard(d, job, px, count, sound, {nullptr, 0, 0, view.values, false, view.frame.uv != nullptr});
+    if (!view.frame.normal || !view.values) return;
+    const Mask exact = iterate(2, kNormalTolerance);
+    write_normal(d, view, at, count, point.nx, point.ny, point.nz);
+    if (!hn::AllTrue(d, exact)) queue_hard(d, job, px, count, exact, {nullptr, 0, 0, false, true, false});
   }
 
   HWY_INLINE void write_uv(Lanes d, std::size_t at, int count, Vec a, Vec b) const {
@@ -348,25 +355,29 @@ struct SolveCurved {
     }
   }
 
-  HWY_NOINLINE void queue_failed(Lanes d, const PixelJob& job, int px, int count, Mask sound) const {
+  HWY_NOINLINE void queue_hard(Lanes d, const PixelJob& job, int px, int count, Mask sound, HardPixel what) const {
     HWY_ALIGN double flags[8];
     hn::Store(hn::IfThenElse(sound, hn::Set(d, 1.0), hn::Zero(d)), d, flags);
+    what.span = job.span, what.row = job.row;
     for (int k = 0; k < count; ++k) {
-      if (flags[k] == 0.0) failed.push_back({job.span, job.row, px + k, px + k + 1});
+      what.px = px + k;
+      if (flags[k] == 0.0) hard.push_back(what);
     }
   }
 };
 
 void SolvePixels(const Camera& camera, const Frame& frame, const Piece& piece, const float* color, const PixelJob* jobs,
-                 std::size_t count, std::vector<PixelJob>& failed) {
-  const View view(camera, frame, piece, color);
-  if (piece.planar && !frame.uv) return SolvePlanar(view, jobs, count);
+                 std::size_t count, std::vector<HardPixel>& hard) {
+  // Planes have a short way to all but uv.
+  const View view(camera, frame, piece, color, !piece.planar);
+  if (piece.planar) SolvePlanar(view, jobs, count);
+  if (piece.planar && !frame.uv) return;
   thread_local std::vector<double> storage;
   const CentredNet centred = centre_net(piece.net, storage);
   if (centred.error < kCentredTolerance) {
-    for_degrees(piece.net.n, piece.net.m, piece.rational, SolveCurved<CentredNet>{view, centred, jobs, count, failed});
+    for_degrees(piece.net.n, piece.net.m, piece.rational, SolveCurved<CentredNet>{view, centred, jobs, count, hard});
   } else {
-    SolveCurved<Net>{view, piece.net, jobs, count, failed}.template operator()<-1, -1, true>();
+    SolveCurved<Net>{view, piece.net, jobs, count, hard}.template operator()<-1, -1, true>();
   }
 }
 
@@ -381,40 +392,42 @@ namespace nofacet {
 HWY_EXPORT(SolvePixels);
 
 void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, const Piece& piece,
-                  const PixelJob* jobs, std::size_t count, std::vector<PixelJob>& failed) {
+                  const PixelJob* jobs, std::size_t count, std::vector<HardPixel>& hard) {
   for (const PixelJob *job = jobs, *end = jobs + count; job != end && frame.face; ++job) {
     int32_t* row = frame.face + std::size_t(job->row) * frame.width;
     std::fill(row + job->first, row + job->last, piece.face);
   }
   if ((piece.kind > CutKind::fold || is_tiny(piece)) && !piece.planar) {
     for (const PixelJob *job = jobs, *end = jobs + count; job != end; ++job) {
-      for (int px = job->first; px < job->last; ++px) failed.push_back({job->span, job->row, px, px + 1});
+      for (int px = job->first; px < job->last; ++px) {
+        hard.push_back({job->span, job->row, px, true, frame.normal != nullptr, frame.uv != nullptr});
+      }
     }
     return;
   }
   const float* color = scene.model.face_color + 4 * std::size_t(piece.face);
-  HWY_DYNAMIC_DISPATCH(SolvePixels)(camera, frame, piece, color, jobs, count, failed);
+  HWY_DYNAMIC_DISPATCH(SolvePixels)(camera, frame, piece, color, jobs, count, hard);
 }
 
-void solve_hard_pixel(const Scene& scene, const Camera& camera, const Frame& frame, const PixelJob& job) {
-  const Span& span = *job.span;
+void solve_hard_pixel(const Scene& scene, const Camera& camera, const Frame& frame, const HardPixel& pixel) {
+  const Span& span = *pixel.span;
   const Piece& piece = *span.piece;
-  const double x = job.first + 0.5, y = job.row + 0.5;
+  const double x = pixel.px + 0.5, y = pixel.row + 0.5;
   const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
   SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
   solve_sample(span, x, y, &sample);
-  const std::size_t at = std::size_t(job.row) * frame.width + job.first;
-  if (frame.depth) frame.depth[at] = camera.depth(sample.jet.p);
-  if (frame.uv) piece.face_from_local(sample.a, sample.b, frame.uv + 2 * at, frame.uv + 2 * at + 1);
-  if (!frame.normal && !frame.color) return;
+  const std::size_t at = std::size_t(pixel.row) * frame.width + pixel.px;
+  if (pixel.uv) piece.face_from_local(sample.a, sample.b, frame.uv + 2 * at, frame.uv + 2 * at + 1);
+  if (pixel.values && frame.depth) frame.depth[at] = camera.depth(sample.jet.p);
+  if (!pixel.normal && !(pixel.values && frame.color)) return;
   double n[3];
   surface_normal(scene, piece, camera, sample, n);
-  if (frame.normal) {
+  if (pixel.normal) {
     for (int c = 0; c < 3; ++c) {
       frame.normal[3 * at + c] = float(n[0] * camera.right[c] + n[1] * camera.up[c] + n[2] * camera.forward[c]);
     }
   }
-  if (!frame.color) return;
+  if (!pixel.values || !frame.color) return;
   shade(camera, sample, n, scene.model.face_color + 4 * std::size_t(piece.face), frame.color + 4 * at);
   frame.color[4 * at + 3] = 1.0f;
 }

@@ -11,14 +11,16 @@ CutPoint point_of(const Piece& piece, double a, double b) {
   return {a, b, jet.p[kX] / jet.p[kW], jet.p[kZ] / jet.p[kW]};
 }
 
-// Where the trim portion crosses the scan plane, as (a, b) of the piece.
-void solve_crossing(const Piece& piece, const TrimPortion& portion, double y, double* a_out, double* b_out) {
-  const double guess = portion.t0 + (portion.t1 - portion.t0) * (y - portion.y0) / (portion.y1 - portion.y0);
+// Parameters and pixels; far above rounding, and below any stretch that lasts for many planes.
+constexpr double kLongStretch = 1e-6;
+
+// Where the trim portion crosses the scan plane: its parameter.
+double solve_crossing(const Piece& piece, const TrimPortion& portion, double y, double guess) {
   const Scene::PatchRef& patch = *piece.patch;
   const double rs = 1.0 / (piece.s1 - piece.s0), rt = 1.0 / (piece.t1 - piece.t0);
-  double a = 0, b = 0;
   auto height = [&](double t, double* slope) {
     const CurvePoint c = portion.arc->at(t);
+    double a, b;
     piece.local_from_face(c.u, c.v, &a, &b);
     double da = c.du * patch.u.patch_slope(c.u) * rs, db = c.dv * patch.v.patch_slope(c.v) * rt;
     if (piece.transposed) std::swap(da, db);
@@ -26,9 +28,7 @@ void solve_crossing(const Piece& piece, const TrimPortion& portion, double y, do
     *slope = screen.ya * da + screen.yb * db;
     return screen.y - y;
   };
-  const double t = bracketed_newton(height, portion.t0, portion.t1, portion.y1 > portion.y0, guess);
-  const CurvePoint c = portion.arc->at(t);
-  piece.local_from_face(c.u, c.v, a_out, b_out);
+  return bracketed_newton(height, portion.t0, portion.t1, portion.y1 > portion.y0, guess);
 }
 
 // Bounds of the key between two points of a cut: by the mean value theorem from both ends.
@@ -61,43 +61,106 @@ void append_untrimmed(const Piece& piece, double y, int plane, int width, const 
 void SpanMaker::append(const Piece& piece, const double* y, int count, int first_plane, int width,
                        std::vector<Span>& out) {
   if (piece.kind == CutKind::uncertain) return append_point(piece, y, count, first_plane, width, out);
-  int crossings_of = -1;
-  for (const CutArc& arc : cutter_.cut(piece, y, count)) {
-    const double level = y[arc.plane];
-    const int plane = first_plane + arc.plane;
-    if (!piece.region) {
-      append_untrimmed(piece, level, plane, width, arc.from, arc.to, out);
-      continue;
+  const std::vector<CutArc>& arcs = cutter_.cut(piece, y, count);
+  if (!piece.region) {
+    for (const CutArc& arc : arcs) {
+      append_untrimmed(piece, y[arc.plane], first_plane + arc.plane, width, arc.from, arc.to, out);
     }
-    if (crossings_of != arc.plane) find_crossings(piece, level), crossings_of = arc.plane;
-    const auto add = [&](const CutPoint& from, const CutPoint& to) {
-      // Each stretch is classified by itself, at its middle, so no crossing can pass an error on to the next.
-      const double a = 0.5 * (from.a + to.a);
-      double u, v;
-      piece.face_from_local(a, cut_at(piece, level, a, 0.5 * (from.b + to.b)), &u, &v);
-      if (piece.region->contains(u, v)) append_untrimmed(piece, level, plane, width, from, to, out);
+    return;
+  }
+  find_crossings(piece, y, count);
+  find_events(piece);
+  std::size_t first = 0, last = 0;  // crossings of the plane
+  int plane = -1;
+  for (const CutArc& arc : arcs) {
+    const double level = y[arc.plane];
+    if (arc.plane != plane) {
+      plane = arc.plane;
+      for (first = last; first < crossings_.size() && crossings_[first].plane < plane;) ++first;
+      for (last = first; last < crossings_.size() && crossings_[last].plane == plane;) ++last;
+      if (!same_layout(first, last, level)) inside_.assign(last - first + 1, -1);
+    }
+    const auto add = [&](const CutPoint& from, const CutPoint& to, std::size_t stretch) {
+      if (inside(piece, level, from, to, stretch)) {
+        append_untrimmed(piece, level, first_plane + plane, width, from, to, out);
+      }
     };
     CutPoint from = arc.from;
-    for (const CutPoint& crossing : crossings_) {
-      if (crossing.a <= from.a || crossing.a >= arc.to.a) continue;
-      add(from, crossing);
+    for (std::size_t k = first; k < last; ++k) {
+      const CutPoint& crossing = crossings_[k].point;
+      if (crossing.a <= from.a) continue;
+      if (crossing.a >= arc.to.a) {
+        add(from, arc.to, k - first);
+        from = arc.to;
+        break;
+      }
+      add(from, crossing, k - first);
       from = crossing;
     }
-    add(from, arc.to);
+    if (from.a < arc.to.a) add(from, arc.to, last - first);
   }
 }
 
-// The crossings of the trim curves with the plane y in the piece, ascending in a.
-void SpanMaker::find_crossings(const Piece& piece, double y) {
+// The crossings of the trim curves with all planes in the piece.
+void SpanMaker::find_crossings(const Piece& piece, const double* y, int count) {
   crossings_.clear();
   for (int k = 0; k < piece.portion_count; ++k) {
     const TrimPortion& portion = piece.portions[k];
-    if ((portion.y0 <= y) == (portion.y1 <= y)) continue;
-    double a, b;
-    solve_crossing(piece, portion, y, &a, &b);
-    crossings_.push_back(point_of(piece, a, b));
+    if (!portion.arc) continue;
+    const double lo = std::min(portion.y0, portion.y1), hi = std::max(portion.y0, portion.y1);
+    // Half-open, as (y0 <= y) != (y1 <= y).
+    const int first = int(std::lower_bound(y, y + count, lo) - y), last = int(std::lower_bound(y, y + count, hi) - y);
+    double rate = (portion.t1 - portion.t0) / (portion.y1 - portion.y0), t = portion.t0, at = portion.y0;
+    for (int plane = first; plane < last; ++plane) {
+      // First guess: on with the last two planes' rate.
+      const double solved = solve_crossing(piece, portion, y[plane], t + rate * (y[plane] - at));
+      if (plane > first) rate = (solved - t) / (y[plane] - at);
+      t = solved, at = y[plane];
+      const CurvePoint c = portion.arc->at(t);
+      double a, b;
+      piece.local_from_face(c.u, c.v, &a, &b);
+      crossings_.push_back({plane, k, point_of(piece, a, b)});
+    }
   }
-  std::sort(crossings_.begin(), crossings_.end(), [](const CutPoint& p, const CutPoint& q) { return p.a < q.a; });
+  std::sort(crossings_.begin(), crossings_.end(), [](const Crossing& p, const Crossing& q) {
+    return p.plane != q.plane ? p.plane < q.plane : p.point.a < q.point.a;
+  });
+}
+
+void SpanMaker::find_events(const Piece& piece) {
+  events_.clear();
+  for (int k = 0; k < piece.portion_count; ++k) {
+    events_.push_back(piece.portions[k].y0);
+    events_.push_back(piece.portions[k].y1);
+  }
+  std::sort(events_.begin(), events_.end());
+  next_event_ = 0;
+  inside_.clear();
+}
+
+// Whether the plane y, which has the crossings [first, last), is cut as the plane before it was.
+bool SpanMaker::same_layout(std::size_t first, std::size_t last, double y) {
+  bool same = !inside_.empty() && (next_event_ == events_.size() || events_[next_event_] > y);
+  while (next_event_ < events_.size() && events_[next_event_] <= y) ++next_event_;
+  same &= layout_.size() == last - first;
+  for (std::size_t k = first; same && k < last; ++k) same = layout_[k - first] == crossings_[k].portion;
+  if (same) return true;
+  layout_.clear();
+  for (std::size_t k = first; k < last; ++k) layout_.push_back(crossings_[k].portion);
+  return false;
+}
+
+// Whether the stretch is inside the trim loops, by its middle.
+bool SpanMaker::inside(const Piece& piece, double y, const CutPoint& from, const CutPoint& to, std::size_t stretch) {
+  signed char& known = inside_[stretch];
+  if (known >= 0) return known == 1;
+  const double a = 0.5 * (from.a + to.a);
+  double u, v;
+  piece.face_from_local(a, cut_at(piece, y, a, 0.5 * (from.b + to.b)), &u, &v);
+  const bool result = piece.region->contains(u, v);
+  // The middle of a short stretch may lie on a trim curve but for rounding: that says nothing of the next plane's.
+  if (to.a - from.a > kLongStretch && std::fabs(to.x - from.x) > kLongStretch) known = result;
+  return result;
 }
 
 void SpanMaker::append_point(const Piece& piece, const double* y, int count, int first_plane, int width,

@@ -43,7 +43,7 @@ class PortionFinder {
     Interval slope = whole_.y.fa * da + whole_.y.fb * db;  // dy/dt
     if (!slope.one_signed()) {
       const NetBounds part(restricted(a, b));
-      if (!planes_.any_in(part.y.f.lo, part.y.f.hi)) return;
+      if (!planes_.any_in(part.y.f.lo, part.y.f.hi)) return out_.push_back({nullptr, 0.0, 0.0, part.y.f.lo, part.y.f.hi});
       // Derivatives of the restricted net are by its own parameters.
       slope = intersect(slope, part.y.fa * (1.0 / a_width_) * da + part.y.fb * (1.0 / b_width_) * db);
     }
@@ -51,7 +51,7 @@ class PortionFinder {
     const Interval run = slope * (to.t - from.t);
     const Interval range = intersect({from.y + std::min(0.0, run.lo), from.y + std::max(0.0, run.hi)},
                                      {to.y - std::max(0.0, run.hi), to.y - std::min(0.0, run.lo)});
-    if (!planes_.any_in(range.lo, range.hi)) return;
+    if (!planes_.any_in(range.lo, range.hi)) return out_.push_back({nullptr, 0.0, 0.0, range.lo, range.hi});
     // A portion that is level to within kSliverPixels may be taken for monotone: that moves it by no more.
     if (slope.one_signed() || run.magnitude() < kSliverPixels || halvings >= kMaxHalvings) {
       out_.push_back({&arc_, from.t, to.t, from.y, to.y});
