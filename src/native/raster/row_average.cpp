@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "raster/fill.h"
 #include "raster/shade.h"
 
 namespace nofacet {
@@ -20,13 +21,16 @@ RowAverage::RowAverage(const Scene& scene, const Camera& camera, const Frame& fr
     : scene_(scene), camera_(camera), frame_(frame), visibility_(visibility), mixed_(frame.width) {}
 
 void RowAverage::average(int row, const std::vector<VisibleSegment>& front, const std::vector<WeightedLine>& lines) {
+  front_ = &front;
+  row_rgb_ = frame_.color ? frame_.color + 4 * std::size_t(row) * frame_.width : nullptr;
+  before_px_ = -1;
   find_runs(front);
   std::fill(mixed_.begin(), mixed_.end(), 0);
   for (const WeightedLine& weighted : lines) find_mixed(*weighted.line);
   find_veils(lines);
   const std::size_t start = std::size_t(row) * frame_.width;
   for (const FaceRun& run : runs_) {
-    if (frame_.coverage) std::fill_n(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
+    if (frame_.coverage) fill(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
   }
   for (const FaceRun& run : runs_) {
     for (int px = run.first; px < run.last; ++px) {
@@ -112,6 +116,7 @@ void RowAverage::find_veils(const std::vector<WeightedLine>& lines) {
 
 void RowAverage::average_pixel(int row, int px, const std::vector<WeightedLine>& lines) {
   const std::size_t at = std::size_t(row) * frame_.width + px;
+  px_ = px;
   if (frame_.color) std::copy_n(frame_.color + 4 * at, 3, centre_rgb_);
   rgb_[0] = rgb_[1] = rgb_[2] = alpha_ = coverage_ = 0.0;
   for (std::size_t k = 0; k < lines.size(); ++k) {
@@ -125,6 +130,8 @@ void RowAverage::average_pixel(int row, int px, const std::vector<WeightedLine>&
   if (!frame_.color) return;
   for (int c = 0; c < 3; ++c) frame_.color[4 * at + c] = float(rgb_[c]);
   frame_.color[4 * at + 3] = float(std::min(1.0, alpha_));
+  before_px_ = px;
+  std::copy_n(centre_rgb_, 3, before_rgb_);
 }
 
 void RowAverage::add_opaque(const ScanLine& line, int px, double weight) {
@@ -180,13 +187,29 @@ void RowAverage::add_stack(double from, double to, double weight) {
   alpha_ += area - light;
 }
 
-// The shade varies little inside a pixel: where the pixel's centre shows the same opaque face its shade serves, else
-// the fragment's own is evaluated (a transparent face may show its front and its back in one pixel).
+// `rgb` if the pixel's centre shows the piece, else null.
+const float* RowAverage::neighbour_color(const Piece& piece, int px, const float* rgb) const {
+  if (px < 0 || px >= frame_.width) return nullptr;
+  const double centre = px + 0.5 + kSampleShiftX;
+  const auto segment = first_after(*front_, centre);
+  return segment != front_->end() && segment->x0 <= centre && segment->span->piece == &piece ? rgb : nullptr;
+}
+
+// The shade varies little from one pixel to the next on one piece: where the pixel's centre, or that of a neighbour in
+// the row, shows the same opaque surface its shade serves, else the fragment's own is evaluated (a transparent face may
+// show its front and its back in one pixel).
 void RowAverage::fragment_color(const Span& span, double x, float rgb[3]) const {
   const float* color = scene_.model.face_color + 4 * std::size_t(span.piece->face);
-  if (centre_face_ == span.piece->face && color[3] >= 1.0f) {
-    std::copy_n(centre_rgb_, 3, rgb);
-    return;
+  if (color[3] >= 1.0f) {
+    const float* found = centre_face_ == span.piece->face ? centre_rgb_ : nullptr;
+    if (!found) {
+      found = neighbour_color(*span.piece, px_ - 1, before_px_ == px_ - 1 ? before_rgb_ : row_rgb_ + 4 * (px_ - 1));
+    }
+    if (!found) found = neighbour_color(*span.piece, px_ + 1, row_rgb_ + 4 * (px_ + 1));
+    if (found) {
+      std::copy_n(found, 3, rgb);
+      return;
+    }
   }
   const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
   SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};

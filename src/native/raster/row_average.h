@@ -39,6 +39,7 @@ class RowAverage {
   void add_layers(const ScanLine& line, const std::vector<VisibleSegment>& veils, int px, double weight);
   void add_stack(double from, double to, double weight);
   void fragment_color(const Span& span, double x, float rgb[3]) const;
+  const float* neighbour_color(const Piece& piece, int px, const float* rgb) const;
 
   const Scene& scene_;
   const Camera& camera_;
@@ -50,7 +51,12 @@ class RowAverage {
   std::vector<std::vector<VisibleSegment>> veils_;  // of each line: transparent faces before the opaque ones
   // Of the pixel being averaged.
   int32_t centre_face_ = -1;
+  int px_ = 0;
   float centre_rgb_[3];
+  const std::vector<VisibleSegment>* front_ = nullptr;
+  const float* row_rgb_ = nullptr;  // of the frame; from the pixel on, what centres show
+  int before_px_ = -1;              // the pixel averaged before this one, and what its centre showed
+  float before_rgb_[3];
   double rgb_[3], alpha_, coverage_;
   std::vector<VisibleSegment> stack_;  // the segments and veils in it
   std::vector<double> borders_;        // their ends

@@ -131,11 +131,20 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
     const bool after = fresh.a0 + fresh.a1 > old.a0 + old.a1;
     return show(after == f.key_slope.positive() ? &old : &fresh, fresh, x0, x1);
   }
-  const double d0 = f.key_plane.key(x0, fresh.y) - o.key_plane.key(x0, fresh.y);
-  const double d1 = f.key_plane.key(x1, fresh.y) - o.key_plane.key(x1, fresh.y);
+  // By the key planes, which are linear along x.
+  const double f0 = f.key_plane.key(x0, fresh.y), f1 = f.key_plane.key(x1, fresh.y);
+  const double o0 = o.key_plane.key(x0, fresh.y), o1 = o.key_plane.key(x1, fresh.y);
   const double error = f.key_plane.error + o.key_plane.error;
-  const Interval difference{std::min(d0, d1) - error, std::max(d0, d1) + error};
+  const Interval difference{std::min(f0 - o0, f1 - o1) - error, std::max(f0 - o0, f1 - o1) + error};
   if (const Span* nearer = decide(difference, {0.0, 0.0}, tie, fresh, old)) return show(nearer, fresh, x0, x1);
+  // By both kinds of bounds together: one of the spans may be steep and the other long.
+  const auto bound = [](const Span& span, double k0, double k1) {
+    const double e = span.piece->key_plane.error;
+    return intersect({std::min(k0, k1) - e, std::max(k0, k1) + e}, {span.nearest, span.farthest});
+  };
+  if (const Span* nearer = decide(bound(fresh, f0, f1), bound(old, o0, o1), tie, fresh, old)) {
+    return show(nearer, fresh, x0, x1);
+  }
   return compare_points(fresh, old, x0, x1);
 }
 

@@ -9,6 +9,7 @@
 
 #include "hwy/foreach_target.h"
 #include "raster/span_lanes-inl.h"
+#include "raster/fill.h"
 #include "raster/shade.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,7 +20,7 @@ namespace {
 constexpr int kMaxKnotNewton = 8, kMaxPixelNewton = 4;
 // Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
 constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
-constexpr double kCentredTolerance = 1e-10;  // pixels
+constexpr double kCentredTolerance = 2e-9;  // pixels
 constexpr double kKnotStep = 1e-4;  // knots only guide: pixels are judged by themselves
 
 // A cubic in t for first guesses between two knots.
@@ -395,7 +396,7 @@ void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, 
                   const PixelJob* jobs, std::size_t count, std::vector<HardPixel>& hard) {
   for (const PixelJob *job = jobs, *end = jobs + count; job != end && frame.face; ++job) {
     int32_t* row = frame.face + std::size_t(job->row) * frame.width;
-    std::fill(row + job->first, row + job->last, piece.face);
+    fill(row + job->first, job->last - job->first, piece.face);
   }
   if ((piece.kind > CutKind::fold || is_tiny(piece)) && !piece.planar) {
     for (const PixelJob *job = jobs, *end = jobs + count; job != end; ++job) {
