@@ -388,7 +388,8 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
     piece.region = region_;
     if (piece.kind != CutKind::uncertain) {
       portions_.clear();
-      for (const TrimArc* arc : *arcs) monotone_portions(piece, *arc, planes_, portions_);
+      const NetBounds bounds(piece.net);
+      for (const TrimArc* arc : *arcs) monotone_portions(piece, bounds, *arc, planes_, portions_);
       TrimPortion* stored = portion_arena_.take(portions_.size());
       std::copy(portions_.begin(), portions_.end(), stored);
       piece.portions = stored;

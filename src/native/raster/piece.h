@@ -24,9 +24,13 @@ namespace nofacet {
 // A part of a trim arc inside one piece, along which the screen y moves one way only; or one that no scan plane of the
 // frame meets, which is kept for its range of y only (arc is null).
 struct TrimPortion {
+  struct End {
+    double t, a, b, x, y, key;  // on the arc, in the piece, on the screen
+  };
+
   const TrimArc* arc;
-  double t0, t1;
-  double y0, y1;
+  End from, to;
+  bool straight;  // all of this is linear between the ends
 };
 
 // key = at + by_x x + by_y y, to within +-error, all over a piece.
@@ -130,7 +134,8 @@ class PieceBuilder {
   std::vector<Piece>* out_ = nullptr;
 };
 
-// Appends to `out` the parts of `arc` inside `piece`, each monotone in screen y.
-void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes, std::vector<TrimPortion>& out);
+// Appends to `out` the parts of `arc` inside `piece`, each monotone in screen y. `bounds`: of the piece's net.
+void monotone_portions(const Piece& piece, const NetBounds& bounds, const TrimArc& arc, const ScanPlanes& planes,
+                       std::vector<TrimPortion>& out);
 
 }  // namespace nofacet

@@ -21,20 +21,40 @@ constexpr int kMaxKnotNewton = 8, kMaxPixelNewton = 4;
 // Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
 constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
 constexpr double kCentredTolerance = 2e-9;  // pixels
-constexpr double kKnotStep = 1e-4;  // knots only guide: pixels are judged by themselves
+constexpr double kKnotStep = 1e-6;  // knots only guide: pixels are judged by themselves
 
-// A cubic in t for first guesses between two knots.
-struct Cubic {
-  double c0, c1, c2, c3;
-
-  static Cubic hermite(double p0, double m0, double p1, double m1) {
-    return {p0, m0, 3 * (p1 - p0) - 2 * m0 - m1, 2 * (p0 - p1) + m0 + m1};
+// The polynomial of degree 5 with given values and slopes at three knots, for first guesses between them (Hermite
+// interpolation by divided differences); of degree 3 at two.
+class Guess {
+ public:
+  Guess(const double* t, const double* value, const double* slope, int knots) : t0_(t[0]), t1_(t[1]), t2_(t[knots - 1]) {
+    const double f01 = (value[1] - value[0]) / (t1_ - t0_);
+    const double f001 = (f01 - slope[0]) / (t1_ - t0_), f011 = (slope[1] - f01) / (t1_ - t0_);
+    const double f0011 = (f011 - f001) / (t1_ - t0_);
+    c_[0] = value[0], c_[1] = slope[0], c_[2] = f001, c_[3] = f0011, c_[4] = c_[5] = 0.0;
+    if (knots == 3) {
+      const double f12 = (value[2] - value[1]) / (t2_ - t1_);
+      const double f112 = (f12 - slope[1]) / (t2_ - t1_), f122 = (slope[2] - f12) / (t2_ - t1_);
+      const double f0112 = (f112 - f011) / (t2_ - t0_), f1122 = (f122 - f112) / (t2_ - t1_);
+      const double f00112 = (f0112 - f0011) / (t2_ - t0_), f01122 = (f1122 - f0112) / (t2_ - t0_);
+      c_[4] = f00112, c_[5] = (f01122 - f00112) / (t2_ - t0_);
+    }
+    for (double& c : c_) {
+      if (!std::isfinite(c)) c = 0.0;  // knots in one place
+    }
   }
   HWY_INLINE Vec at(Lanes d, Vec t) const {
-    Vec r = hn::MulAdd(hn::Set(d, c3), t, hn::Set(d, c2));
-    r = hn::MulAdd(r, t, hn::Set(d, c1));
-    return hn::MulAdd(r, t, hn::Set(d, c0));
+    const Vec from0 = hn::Sub(t, hn::Set(d, t0_)), from1 = hn::Sub(t, hn::Set(d, t1_));
+    Vec r = hn::MulAdd(hn::Sub(t, hn::Set(d, t2_)), hn::Set(d, c_[5]), hn::Set(d, c_[4]));
+    r = hn::MulAdd(r, from1, hn::Set(d, c_[3]));
+    r = hn::MulAdd(r, from1, hn::Set(d, c_[2]));
+    r = hn::MulAdd(r, from0, hn::Set(d, c_[1]));
+    return hn::MulAdd(r, from0, hn::Set(d, c_[0]));
   }
+
+ private:
+  double t0_, t1_, t2_;
+  double c_[6];
 };
 
 // What does not change from pixel to pixel of a piece.
@@ -218,22 +238,32 @@ void SolvePlanar(const View& view, const PixelJob* jobs, std::size_t count) {
   }
 }
 
-// Pixels solved first, between which the parameters are guessed by cubics: the first and the last of each job and some
-// between. Those of all jobs on a piece are solved together, a knot in each lane.
+// Pixels solved first, between which the parameters are guessed by polynomials: the first and the last of each job and
+// some between. Those of all jobs on a piece are solved together, a knot in each lane.
 struct Knots {
-  static constexpr int kSpacing = 16;  // pixels; a whole number of vectors
+  static constexpr int kSpacing = 32;  // pixels, at most
+  static constexpr int kWidest = 8;    // pixels a vector, at most
+
 
   std::vector<double> x, y, progress, a, b;
   std::vector<double> a_lo, a_hi;              // of the knot's span
   std::vector<double> a_slope, b_slope, rate;  // da and db by the progress; dx / dprogress
 
-  static int intervals(const PixelJob& job) { return std::max(1, (job.last - job.first - 1 + kSpacing - 1) / kSpacing); }
+  // Pixels from knot to knot, whole vectors of them: at least two intervals where there are two vectors.
+  static int spacing(const PixelJob& job) {
+    const int last = job.last - job.first - 1, most = std::max(2, (last + kSpacing - 1) / kSpacing);
+    return std::max(1, (last + kWidest * most - 1) / (kWidest * most)) * kWidest;
+  }
+  static int intervals(const PixelJob& job) {
+    return std::max(1, (job.last - job.first - 1 + spacing(job) - 1) / spacing(job));
+  }
 
   void gather(const PixelJob* jobs, std::size_t count) {
     for (std::vector<double>* list : lists()) list->clear();
     for (const PixelJob *job = jobs, *end = jobs + count; job != end; ++job) {
       const int n = intervals(*job), last = job->last - job->first - 1;
-      for (int k = 0; k <= n; ++k) add(*job, job->first + 0.5 + std::min(k * kSpacing, last));
+      const int step = spacing(*job);
+      for (int k = 0; k <= n; ++k) add(*job, job->first + 0.5 + std::min(k * step, last));
     }
     const std::size_t size = x.size();
     for (std::vector<double>* list : lists()) {
@@ -303,20 +333,19 @@ struct SolveCurved {
     const SpanBox box(d, hn::Set(d, std::min(span.a0, span.a1)), hn::Set(d, std::max(span.a0, span.a1)));
     const SpanProgress progress(span);
     const Vec lane = hn::Iota(d, 0.5), right = hn::Set(d, job.last - 0.5);
-    for (int first = job.first; first < job.last; first += Knots::kSpacing, ++knot) {
-      // Of the last interval's right end: one more pixel may belong to it.
-      const bool closes = first + Knots::kSpacing >= job.last - 1;
-      const int last = closes ? job.last : first + Knots::kSpacing;
-      const double from = knots.progress[knot], h = knots.progress[knot + 1] - from;
-      const Cubic guess_a = Cubic::hermite(knots.a[knot], h * knots.a_slope[knot], knots.a[knot + 1], h * knots.a_slope[knot + 1]);
-      const Cubic guess_b = Cubic::hermite(knots.b[knot], h * knots.b_slope[knot], knots.b[knot + 1], h * knots.b_slope[knot + 1]);
-      const Vec start = hn::Set(d, from), scale = hn::Set(d, h > 0.0 ? 1.0 / h : 0.0);
-      for (int px = first; px < last; px += width) {
+    const int n = Knots::intervals(job), spacing = Knots::spacing(job);
+    // Two intervals at a time; the last one alone, with the knot before it.
+    for (int k = 0; k < n; k += 2) {
+      const std::size_t at = knot + (n > 1 ? std::min(k, n - 2) : 0);
+      const int order = n > 1 ? 3 : 2;
+      const Guess guess_a(&knots.progress[at], &knots.a[at], &knots.a_slope[at], order);
+      const Guess guess_b(&knots.progress[at], &knots.b[at], &knots.b_slope[at], order);
+      const int end = k + 2 >= n ? job.last : job.first + (k + 2) * spacing;
+      for (int px = job.first + k * spacing; px < end; px += width) {
         const Vec x = hn::Min(hn::Add(lane, hn::Set(d, double(px))), right);
-        const Vec t = hn::Mul(hn::Sub(progress.at(d, x), start), scale);
-        solve_vector<kN, kM, kRational>(job, px, std::min(width, last - px), box, x, guess_a.at(d, t), guess_b.at(d, t));
+        const Vec t = progress.at(d, x);
+        solve_vector<kN, kM, kRational>(job, px, std::min(width, end - px), box, x, guess_a.at(d, t), guess_b.at(d, t));
       }
-      if (closes) break;
     }
   }
 

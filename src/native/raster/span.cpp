@@ -28,7 +28,7 @@ double solve_crossing(const Piece& piece, const TrimPortion& portion, double y, 
     *slope = screen.ya * da + screen.yb * db;
     return screen.y - y;
   };
-  return bracketed_newton(height, portion.t0, portion.t1, portion.y1 > portion.y0, guess);
+  return bracketed_newton(height, portion.from.t, portion.to.t, portion.to.y > portion.from.y, guess);
 }
 
 // Bounds of the key between two points of a cut: by the mean value theorem from both ends.
@@ -107,10 +107,21 @@ void SpanMaker::find_crossings(const Piece& piece, const double* y, int count) {
   for (int k = 0; k < piece.portion_count; ++k) {
     const TrimPortion& portion = piece.portions[k];
     if (!portion.arc) continue;
-    const double lo = std::min(portion.y0, portion.y1), hi = std::max(portion.y0, portion.y1);
+    const double lo = std::min(portion.from.y, portion.to.y), hi = std::max(portion.from.y, portion.to.y);
     // Half-open, as (y0 <= y) != (y1 <= y).
     const int first = int(std::lower_bound(y, y + count, lo) - y), last = int(std::lower_bound(y, y + count, hi) - y);
-    double rate = (portion.t1 - portion.t0) / (portion.y1 - portion.y0), t = portion.t0, at = portion.y0;
+    const TrimPortion::End &from = portion.from, &to = portion.to;
+    if (portion.straight) {
+      for (int plane = first; plane < last; ++plane) {
+        const double f = (y[plane] - from.y) / (to.y - from.y);
+        const auto between = [f](double p, double q) { return p + f * (q - p); };
+        crossings_.push_back({plane, k,
+                              {between(from.a, to.a), between(from.b, to.b), between(from.x, to.x),
+                               between(from.key, to.key)}});
+      }
+      continue;
+    }
+    double rate = (to.t - from.t) / (to.y - from.y), t = from.t, at = from.y;
     for (int plane = first; plane < last; ++plane) {
       // First guess: on with the last two planes' rate.
       const double solved = solve_crossing(piece, portion, y[plane], t + rate * (y[plane] - at));
@@ -130,8 +141,8 @@ void SpanMaker::find_crossings(const Piece& piece, const double* y, int count) {
 void SpanMaker::find_events(const Piece& piece) {
   events_.clear();
   for (int k = 0; k < piece.portion_count; ++k) {
-    events_.push_back(piece.portions[k].y0);
-    events_.push_back(piece.portions[k].y1);
+    events_.push_back(piece.portions[k].from.y);
+    events_.push_back(piece.portions[k].to.y);
   }
   std::sort(events_.begin(), events_.end());
   next_event_ = 0;
