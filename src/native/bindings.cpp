@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "bezier/bernstein.h"
+#include "floor.h"
 #include "methods.h"
 
 namespace nb = nanobind;
@@ -116,6 +117,20 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
   return result;
 }
 
+nb::dict measure_scene_floor(const BoundScene& bound, Array<int32_t, nb::shape<-1, -1>> face,
+                             Array<double, nb::shape<-1, -1, 2>> uv, int repeats) {
+  FloorResult floor;
+  {
+    nb::gil_scoped_release release;
+    floor = measure_floor(*bound.scene, face.data(), uv.data(), face.size(), repeats);
+  }
+  nb::dict result;
+  result["seconds"] = floor.seconds;
+  result["samples"] = floor.samples;
+  result["checksum"] = floor.checksum;
+  return result;
+}
+
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (const Method& method : methods()) names.emplace_back(method.name);
@@ -133,6 +148,8 @@ NB_MODULE(_native, module) {
            nb::arg("edges"), nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(),
            nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(),
            nb::arg("normal") = nb::none(),
-           "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.");
+           "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.")
+      .def("floor", &measure_scene_floor, nb::arg("face"), nb::arg("uv"), nb::arg("repeats"),
+           "Seconds that evaluating every shown sample takes where its (u, v) is known; from a frame's face and uv.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
 }
