@@ -9,7 +9,7 @@ import numpy as np
 
 from ..cad.tessellate import Mesh
 from .subject import Subject
-from .timing import repeat
+from .timing import MESH_SECONDS, repeat
 
 
 def missing() -> str | None:
@@ -35,6 +35,6 @@ def frame_seconds(mesh: Mesh, subject: Subject, threads: int) -> dict[int, float
     def trace(count: int) -> float:
         parts = list(zip(np.array_split(origins, count), np.array_split(directions, count), strict=True))
         with ThreadPoolExecutor(count) as pool:  # embreex lets go of the interpreter's lock while it traces
-            return repeat(lambda: list(pool.map(lambda part: scene.run(*part), parts)))[0].fastest
+            return repeat(lambda: list(pool.map(lambda part: scene.run(*part), parts)), MESH_SECONDS)[0].fastest
 
     return {count: trace(count) for count in dict.fromkeys((1, threads))}

@@ -97,22 +97,32 @@ def _exact(scene: _native.Scene, camera: Camera, resolution: tuple[int, int]) ->
 
 def mesh_borders(mesh: Mesh, subject: Subject) -> tuple[Borders, Borders]:
     """On rows and on columns, from the mesh's triangles."""
+    places, triangles = _welded(mesh)
     return (
-        _drawn(mesh, subject.camera, subject.resolution),
-        _drawn(mesh, *turned(subject.camera, subject.resolution)),
+        _drawn(places, triangles, subject.camera, subject.resolution),
+        _drawn(places, triangles, *turned(subject.camera, subject.resolution)),
     )
 
 
-def _drawn(mesh: Mesh, camera: Camera, resolution: tuple[int, int]) -> Borders:
+def _welded(mesh: Mesh) -> tuple[Array, NDArray[np.int64]]:
+    """Distinct points (p, 3) and triangles (t, 3) between them: neighbouring faces share the points on their edge."""
+    order = np.lexsort(mesh.points.T)
+    points = mesh.points[order]
+    new = np.ones(len(points), bool)
+    new[1:] = (points[1:] != points[:-1]).any(axis=1)
+    place = np.empty(len(points), np.int64)
+    place[order] = np.cumsum(new) - 1
+    return points[new], place[mesh.triangles]
+
+
+def _drawn(places: Array, triangles: NDArray[np.int64], camera: Camera, resolution: tuple[int, int]) -> Borders:
     """Every triangle, turned anticlockwise in the picture, adds one inside its outline. Summed over all triangles, an
     edge between two neighbours that lie on its two sides adds nothing; what is left are few edges, and on a scan line
     their sum from the left says how many triangles cover a place."""
     width, height = resolution
-    places, corner = np.unique(mesh.points + 0.0, axis=0, return_inverse=True)
     matrix = camera.pixel_from_world(resolution)
     pixels = places @ matrix[:2, :3].T + matrix[:2, 3]
-    corners = corner.reshape(-1)[mesh.triangles]
-    edges, weight = _outline_edges(pixels, corners)
+    edges, weight = _outline_edges(pixels, triangles)
     low, high = pixels[edges[:, 0]], pixels[edges[:, 1]]  # low y first
     first = np.maximum(np.ceil(low[:, 1] - 0.5 - ROW_SHIFT), 0).astype(np.int64)
     last = np.minimum(np.ceil(high[:, 1] - 0.5 - ROW_SHIFT), height).astype(np.int64)  # not included
@@ -236,7 +246,7 @@ def _distance_to_change(subject: Subject, caster: RayCaster, rows: Borders, k: i
 
     def covered(x: float) -> bool:
         origin = eye + subject.pixel * ((x - width / 2) * right + (height / 2 - down) * up)
-        return bool(caster.depth(origin, forward) < np.inf)
+        return caster.covers(origin, forward)
 
     border, inwards = float(rows.x[k]), 1.0 if rows.enters[k] else -1.0
     step = FIRST_STEP
