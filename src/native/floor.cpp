@@ -123,9 +123,9 @@ double sum_run(const FloorRun& run, const double* binomial_a, const double* bino
     const Vec nz = hn::MulSub(pa[0], pb[1], hn::Mul(pa[1], pb[0]));
     const Vec length = hn::Sqrt(hn::MulAdd(nx, nx, hn::MulAdd(ny, ny, hn::Mul(nz, nz))));
     const Vec inverse = hn::Div(one, length);
-    sum = hn::MulAdd(p[0], hn::Mul(nx, inverse), sum);
-    sum = hn::MulAdd(p[1], hn::Mul(ny, inverse), sum);
-    sum = hn::MulAdd(p[2], hn::Mul(nz, inverse), sum);
+    const Vec dot = hn::MulAdd(p[0], nx, hn::MulAdd(p[1], ny, hn::Mul(p[2], nz)));
+    const auto real = hn::FirstN(d, run.count - first);  // not padding
+    sum = hn::Add(sum, hn::IfThenElseZero(real, hn::Mul(dot, inverse)));
   }
   return hn::GetLane(hn::SumOfLanes(d, sum));
 }

@@ -159,7 +159,7 @@ def _bench(options: argparse.Namespace) -> int:
     from .bench.run import run, write  # loads OpenCascade
 
     report = run(options.models, options.resolution, options.threads, options.quick, _say)
-    print(write(report, Path(options.output), plotted=not options.quick))
+    sys.stdout.write(write(report, Path(options.output), plotted=not options.quick))
     return 0 if report.subjects else 1
 
 

@@ -7,7 +7,7 @@ CQ-editor: AIS deviation coefficient 1e-5, 0.1 rad; OpenCascade's Prs3d::GetDefl
     coefficient times the box's largest side.
 Mayo: the same formula with a coefficient of 1e-3, 20 degrees, for its quality "normal".
 FreeCAD: deviation 0.5 % of the mean side of the box, 28.5 degrees.
-All but F3D and CQ-editor mesh on several threads; here everything is meshed on one, as the mesher does by default.
+Some of them mesh on several threads; here everything is meshed on one, as the mesher does by default.
 """
 
 from __future__ import annotations

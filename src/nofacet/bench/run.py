@@ -76,9 +76,9 @@ def _measure(subject: Subject, threads: int, quick: bool, meshing_limit: float, 
         result.ray_casting = in_child(lambda: measure_ray_casting(subject), CHECK_LIMIT)
     except (TimeoutError, ChildFailure) as failure:
         left_out.append(f"{subject.name}, OpenCascade's rays: {failure}")
-    from ..cad.tessellate import largest_extent
+    from ..cad.tessellate import box_sides
 
-    for setting in mesh_settings(subject.pixel, largest_extent(subject.shape)):
+    for setting in mesh_settings(subject.pixel, box_sides(subject.shape)):
         result.meshes.append(measure_mesh(subject, setting, exact, threads, meshing_limit, left_out))
     return result
 

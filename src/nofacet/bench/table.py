@@ -135,7 +135,7 @@ def _mesh_cells(mesh: MeshResult, threads: int) -> tuple[Any, ...]:
 
 
 def _ms(frame: FrameTime | None) -> float | None:
-    return frame and 1e3 * frame.seconds.fastest
+    return 1e3 * frame.seconds.fastest if frame else None
 
 
 def _crowd_row(crowd: CrowdTime) -> dict[str, Any]:

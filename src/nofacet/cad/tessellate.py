@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepTools import BRepTools
 from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
+from OCP.Poly import Poly_Triangulation
 from OCP.TopAbs import TopAbs_FACE, TopAbs_Orientation
 from OCP.TopExp import TopExp
 from OCP.TopLoc import TopLoc_Location
@@ -18,7 +20,6 @@ from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from . import stream
-from .tables import offsets_of
 
 DEFAULT_ANGLE = 0.5  # radians, BRepMesh_IncrementalMesh's own default
 
@@ -66,7 +67,7 @@ def tessellate(
     return _collect(shape, time.perf_counter() - start)
 
 
-def largest_extent(shape: TopoDS_Shape) -> tuple[float, float, float]:
+def box_sides(shape: TopoDS_Shape) -> tuple[float, float, float]:
     """Sizes of the shape's bounding box along x, y and z, model units, as OpenCascade's viewers compute it."""
     from OCP.Bnd import Bnd_Box
     from OCP.BRepBndLib import BRepBndLib
@@ -77,53 +78,67 @@ def largest_extent(shape: TopoDS_Shape) -> tuple[float, float, float]:
     return high.X() - low.X(), high.Y() - low.Y(), high.Z() - low.Z()
 
 
-def _collect(shape: TopoDS_Shape, seconds: float) -> Mesh:
-    """Asking for the nodes one by one costs microseconds each; so the triangulations are put on faces without surfaces,
-    whose binary form is little else."""
+@dataclass(frozen=True)
+class _FaceMesh:
+    """Where the triangles of one face belong: its index and location, and whether they are seen from inside."""
+
+    face: int
+    triangulation: Poly_Triangulation
+    location: TopLoc_Location
+    backwards: bool
+
+
+def _face_meshes(shape: TopoDS_Shape) -> Iterator[_FaceMesh]:
     faces = TopTools_IndexedMapOfShape()
     TopExp.MapShapes_s(shape, TopAbs_FACE, faces)
-    builder, compound = BRep_Builder(), TopoDS_Compound()
-    builder.MakeCompound(compound)
-    owner, matrices, reversed_ = [], [], []
     for index in range(faces.Extent()):
         face = TopoDS.Face_s(faces.FindKey(index + 1))
         location = TopLoc_Location()
         triangulation = BRep_Tool.Triangulation_s(face, location)
-        if triangulation is None:
-            continue
-        bare = TopoDS_Face()
-        builder.MakeFace(bare, triangulation)
-        builder.Add(compound, bare)
-        owner.append(index)
-        matrices.append(_matrix(location))
-        reversed_.append(face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED)
-    if not owner:
-        return Mesh(
-            np.empty((0, 3)), *(np.empty((0, 3), t) for t in (np.float32, np.int32)), np.empty(0, np.int32), seconds
-        )
+        if triangulation is not None:
+            backwards = face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+            yield _FaceMesh(index, triangulation, location, backwards)
+
+
+def _collect(shape: TopoDS_Shape, seconds: float) -> Mesh:
+    found = list(_face_meshes(shape))
+    points, triangles = [np.empty((0, 3))], [np.empty((0, 3), np.int32)]
+    count = 0
+    for one, (nodes, corners) in zip(found, _arrays([one.triangulation for one in found]), strict=True):
+        rotation, move = _matrix(one.location)
+        points.append(nodes @ rotation.T + move)
+        triangles.append(count + (corners[:, ::-1] if one.backwards ^ (np.linalg.det(rotation) < 0) else corners))
+        count += len(nodes)
+    face = np.repeat(np.array([one.face for one in found], np.int32), [len(part) for part in triangles[1:]])
+    all_points, all_triangles = np.concatenate(points), np.concatenate(triangles).astype(np.int32)
+    return Mesh(all_points, _normals(all_points, all_triangles), all_triangles, face, seconds)
+
+
+def _arrays(triangulations: list[Poly_Triangulation]) -> list[tuple[NDArray[np.float64], NDArray[np.int32]]]:
+    """Nodes (n, 3) and corners (t, 3) of each. Asking for them one by one costs microseconds each; so they are put on
+    faces without a surface, whose binary form holds little else."""
+    if not triangulations:
+        return []
+    builder, compound = BRep_Builder(), TopoDS_Compound()
+    builder.MakeCompound(compound)
+    for triangulation in triangulations:
+        face = TopoDS_Face()
+        builder.MakeFace(face, triangulation)
+        builder.Add(compound, face)
     content = stream.read(compound)
-    shapes = content.children.shape[content.children.offsets[content.root[1]] :][: len(owner)]
-    parts = [content.triangulations[number] for number in content.faces.triangulation[shapes].tolist()]
-    counts = np.array([len(nodes) for nodes, _ in parts])
-    sizes = np.array([len(corners) for _, corners in parts])
-    first = offsets_of(counts)[:-1]
-    matrix = np.repeat(np.array(matrices), counts, axis=0)
-    points = np.einsum("nij,nj->ni", matrix[:, :, :3], np.concatenate([nodes for nodes, _ in parts])) + matrix[:, :, 3]
-    triangles = np.concatenate([corners for _, corners in parts]) + np.repeat(first, sizes)[:, None]
-    backwards = np.repeat(np.array(reversed_) ^ (np.linalg.det(np.array(matrices)[:, :, :3]) < 0), sizes)
-    triangles[backwards] = triangles[backwards][:, ::-1]
-    face = np.repeat(np.array(owner, np.int32), sizes)
-    return Mesh(points, _normals(points, triangles), triangles.astype(np.int32), face, seconds)
+    first = content.children.offsets[content.root[1]]
+    faces = content.children.shape[first : first + len(triangulations)]
+    return [content.triangulations[number] for number in content.faces.triangulation[faces].tolist()]
 
 
-def _matrix(location: TopLoc_Location) -> list[list[float]]:
-    if location.IsIdentity():
-        return [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+def _matrix(location: TopLoc_Location) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rotation (3, 3), with scale, and translation (3,)."""
     transformation = location.Transformation()
-    return [[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)]
+    rows = np.array([[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
+    return rows[:, :3], rows[:, 3]
 
 
-def _normals(points: NDArray[np.float64], triangles: NDArray[np.int_]) -> NDArray[np.float32]:
+def _normals(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float32]:
     a, b, c = (points[triangles[:, k]] for k in range(3))
     area = np.cross(b - a, c - a)
     corner = triangles.ravel()
