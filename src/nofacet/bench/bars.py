@@ -68,14 +68,15 @@ def _floor(result: SubjectResult, threads: int) -> Iterator[Bar]:
 
 def _first_picture(result: SubjectResult, threads: int) -> Iterator[Bar]:
     fine, coarse = result.mesh("0.1 px"), result.mesh("1 px")
-    if not result.first_picture:
+    picture = result.first_picture(threads)
+    if not picture:
         return
-    own = result.first_picture.seconds
+    own = picture.seconds
     if fine:
-        text = "meshing at 0.1 px / first picture"
+        text = f"meshing at 0.1 px / first picture on {threads} threads"
         yield Bar(text, result.name, fine.seconds / own, (10, None), True, open_ended=fine.timed_out)
     if coarse:
-        text = "meshing at 1 px / first picture"
+        text = f"meshing at 1 px / first picture on {threads} threads"
         yield Bar(text, result.name, coarse.seconds / own, (None, 1), True, open_ended=coarse.timed_out)
 
 

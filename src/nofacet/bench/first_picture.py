@@ -18,12 +18,13 @@ RUNS = 3
 
 @dataclass(frozen=True)
 class FirstPicture:
-    """Wall-clock seconds, on one thread: of taking patches and trim loops out of the shape, and of the first frame.
+    """Wall-clock seconds of taking patches and trim loops out of the shape, and of the first frame on so many threads.
 
     preparation: what preparing the patches for drawing took when it was done once more; the first frame contains it.
     fit: of fitting a camera, which is not part of the sum.
     """
 
+    threads: int
     extraction: float
     frame: float
     preparation: float
@@ -35,19 +36,20 @@ class FirstPicture:
         return self.extraction + self.frame
 
 
-def measure_first_picture(subject: Subject) -> FirstPicture:
+def measure_first_picture(subject: Subject, threads: int) -> FirstPicture:
     """The fastest of a few runs, each in a process that has OpenCascade and the shape and has drawn nothing of it."""
-    runs = [in_child(lambda: _first_picture(subject), 300.0) for _ in range(RUNS)]
+    runs = [in_child(lambda: _first_picture(subject, threads), 300.0) for _ in range(RUNS)]
     return min(runs, key=lambda run: run.seconds)
 
 
-def _first_picture(subject: Subject) -> FirstPicture:
+def _first_picture(subject: Subject, threads: int) -> FirstPicture:
     start = time.perf_counter()
     model = convert(subject.shape, subject.name)
     extracted = time.perf_counter()
-    render(model, subject.camera, subject.resolution, DEFAULT_METHOD, 1, 1, BUFFERS)
+    render(model, subject.camera, subject.resolution, DEFAULT_METHOD, 1, threads, BUFFERS)
     drawn = time.perf_counter()
     _native.Scene(model)
     prepared = time.perf_counter()
     Camera.fit(model, resolution=subject.resolution)
-    return FirstPicture(extracted - start, drawn - extracted, prepared - drawn, time.perf_counter() - prepared)
+    fitted = time.perf_counter()
+    return FirstPicture(threads, extracted - start, drawn - extracted, prepared - drawn, fitted - prepared)

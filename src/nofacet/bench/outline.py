@@ -183,8 +183,11 @@ def _borders(line: NDArray[np.int64], joined: tuple[NDArray[np.bool_], Array, Ar
     return Borders(line[inside], x[inside], enters[inside], across[inside])
 
 
-def compare(exact: tuple[Borders, Borders], drawn: tuple[Borders, Borders]) -> OutlineError:
-    """Match borders of the same kind on the same scan line, each the other's nearest, and measure their distances."""
+def compare(exact: tuple[Borders, Borders], drawn: tuple[Borders, Borders]) -> OutlineError | None:
+    """Match borders of the same kind on the same scan line, each the other's nearest, and measure their distances.
+
+    None if no borders match.
+    """
     distances: list[Array] = []
     unmatched = 0
     for exact_side, drawn_side in zip(exact, drawn, strict=True):
@@ -201,7 +204,7 @@ def compare(exact: tuple[Borders, Borders], drawn: tuple[Borders, Borders]) -> O
             distances.append((np.abs(p.x[mutual] - q.x[partner]) * across)[steep])
     all_distances = np.concatenate(distances)
     if not len(all_distances):
-        return OutlineError(np.nan, np.nan, 0, unmatched)
+        return None
     rms = float(np.sqrt(np.mean(all_distances**2)))
     return OutlineError(float(all_distances.max()), rms, len(all_distances), unmatched)
 
@@ -225,15 +228,16 @@ def _nearest(of: Borders, among: Borders) -> NDArray[np.int64]:
     return np.where(np.isfinite(distance[best, column]), candidates[best, column], -1)
 
 
-def check_outline(subject: Subject, rows: Borders) -> OutlineCheck:
+def check_outline(subject: Subject, rows: Borders) -> OutlineCheck | None:
     """Seek borders of our rows, chosen at random, with OpenCascade's rays: bisection between a ray that hits and one
-    that misses. Along the scan line, so never less than the distance across the outline."""
+    that misses. Along the scan line, so never less than the distance across the outline. None if no border is found.
+    """
     caster = RayCaster(subject.shape)
     chosen = np.random.default_rng(1).permutation(len(rows.x))[:CHECKED_BORDERS]
     found = [_distance_to_change(subject, caster, rows, k) for k in chosen.tolist()]
     known = [distance for distance in found if distance is not None]
     if not known:
-        return OutlineCheck(np.nan, np.nan, len(found), len(found))
+        return None
     return OutlineCheck(max(known), float(np.median(known)), len(found), len(found) - len(known))
 
 

@@ -49,8 +49,8 @@ def _mesh_points(result: SubjectResult, first: bool) -> list[Point]:
 
 
 def _own_points(result: SubjectResult, threads: int, first: bool) -> list[Point]:
-    frame = result.frame(DEFAULT_METHOD, threads, 1)
-    if not result.outline or not result.first_picture or not frame:
+    picture, frame = result.first_picture(threads), result.frame(DEFAULT_METHOD, threads, 1)
+    if not result.outline or not picture or not frame:
         return []
-    seconds = result.first_picture.seconds if first else frame.seconds.fastest
+    seconds = picture.seconds if first else frame.seconds.fastest
     return [(seconds, result.outline.largest)] if result.outline.largest > 0 else []

@@ -23,7 +23,7 @@ class SubjectResult:
     pixel: float  # model units
     floor: Floor | None = None
     frames: list[FrameTime] = field(default_factory=list)
-    first_picture: FirstPicture | None = None
+    first_pictures: list[FirstPicture] = field(default_factory=list)
     outline: OutlineCheck | None = None
     meshes: list[MeshResult] = field(default_factory=list)
     ray_casting: RayCasting | None = None
@@ -32,6 +32,10 @@ class SubjectResult:
         """The frames of that method, threads and samples."""
         wanted = (method, threads, samples)
         return next((one for one in self.frames if (one.method, one.threads, one.samples) == wanted), None)
+
+    def first_picture(self, threads: int) -> FirstPicture | None:
+        """The first picture on that many threads."""
+        return next((one for one in self.first_pictures if one.threads == threads), None)
 
     def mesh(self, name: str) -> MeshResult | None:
         """The mesh of that setting."""

@@ -65,7 +65,7 @@ def _measure(subject: Subject, threads: int, quick: bool, meshing_limit: float, 
     result = SubjectResult(
         subject.name, subject.resolution, subject.model.face_count, subject.patch_count, subject.pixel
     )
-    result.first_picture = measure_first_picture(subject)
+    result.first_pictures = [measure_first_picture(subject, count) for count in dict.fromkeys((1, threads))]
     result.frames = measure_frames(subject, threads, methods())
     result.floor = measure_floor(subject.model, subject.camera, subject.resolution)
     if quick:

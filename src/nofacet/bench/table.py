@@ -24,6 +24,8 @@ def text(report: Report, bars: list[Bar]) -> str:
         _table([_bar_row(bar) for bar in bars]) if bars else "Nothing was measured that a bar is set for.",
         "## Frames and the floor",
         _table([row for result in report.subjects for row in _frame_rows(result)]),
+        "## First pictures",
+        _table([row for result in report.subjects for row in _first_picture_rows(result)]),
         "## Time and error",
         _table([row for result in report.subjects for row in _error_rows(result, report.threads)]),
     ]
@@ -59,6 +61,19 @@ def _frame_rows(result: SubjectResult) -> Iterator[dict[str, Any]]:
             "frame / floor": floor and frame.seconds.fastest / floor.seconds,
             "pieces": frame.pieces,
             "stages ms": _stages(frame.stages),
+        }
+
+
+def _first_picture_rows(result: SubjectResult) -> Iterator[dict[str, Any]]:
+    for one in result.first_pictures:
+        yield {
+            "model": result.name,
+            "threads": one.threads,
+            "extraction ms": 1e3 * one.extraction,
+            "first frame ms": 1e3 * one.frame,
+            "together ms": 1e3 * one.seconds,
+            "of it preparation ms": 1e3 * one.preparation,
+            "fitting a camera ms": 1e3 * one.fit,
         }
 
 
@@ -108,7 +123,7 @@ def _error_rows(result: SubjectResult, threads: int) -> Iterator[dict[str, Any]]
 
 
 def _made(result: SubjectResult, method: str) -> tuple[float | None]:
-    own = result.first_picture if method == DEFAULT_METHOD else None
+    own = result.first_picture(1) if method == DEFAULT_METHOD else None
     return (own.extraction if own else None,)
 
 
