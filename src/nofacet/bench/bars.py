@@ -36,8 +36,10 @@ class Bar:
 
     @property
     def verdict(self) -> str:
-        """One of: missed, met, aim met, aim missed (where only an aim is set)."""
+        """One of: missed, met, aim met, aim missed (where only an aim is set), not settled (by an open-ended value)."""
         must, aim = (None if limit is None else self._reaches(limit) for limit in self.limits)
+        if self.open_ended and False in (must, aim):
+            return "not settled"
         if must is False:
             return "missed"
         return "aim met" if aim else "met" if must else "aim missed"

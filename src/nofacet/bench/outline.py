@@ -1,9 +1,10 @@
 """How far a drawn outline is from the exact one, on every pixel row and column.
 
-A scan line through the pixel centres of a row (or column) meets the model, and a mesh of it, in covered stretches. The
-stretches' borders are matched, and the distance between two matched borders is measured across the mesh's edge there.
-Borders where the mesh's edge runs more along the scan line than across it are left to the scan lines of the other
-direction; borders at the picture's sides count nowhere.
+A scan line through the pixel centres of a row (or column) meets the model, and a mesh of it, in covered stretches. From
+left to right the two differ first at one border and then until the next: if that is the other side's, the two are one
+border in two places, and the distance is measured across the mesh's edge there; if it is the same side's, they bound a
+sliver that only one side has. Where the outline runs more along the scan line than across it, it is left to the scan
+lines of the other direction; borders at the picture's sides count nowhere.
 """
 
 from __future__ import annotations
@@ -22,8 +23,10 @@ from .subject import Subject
 Array = NDArray[np.float64]
 
 ROW_SHIFT = 1.3093e-8  # px: how far below the pixel centres the renderer's scan planes run (raster/scan_planes.h)
+STEEP = 0.7  # the least `across` that is measured: a little more than 45 degrees, so that none falls between
 MERGED = 1e-6  # px: stretches this close are one; faces of a mesh meet only up to rounding
 CHECKED_BORDERS = 100
+GRAZING = 1e-3  # px: how far from its silhouette a surface may look hit or missed
 FIRST_STEP, LAST_STEP = 1e-7, 1.0  # px: how far from our border OpenCascade's is sought
 
 
@@ -32,7 +35,7 @@ class Borders:
     """Where the scan lines of one direction enter and leave what is drawn.
 
     line: (n,) int64, the scan line. x: (n,) pixels along it. enters: (n,) whether the stretch begins here.
-    across: (n,) the cosine between the scan line and the normal of the edge that makes the border; 1 if unknown.
+    across: (n,) the cosine between the scan line and the outline's normal there.
     """
 
     line: NDArray[np.int64]
@@ -43,7 +46,7 @@ class Borders:
 
 @dataclass(frozen=True)
 class OutlineError:
-    """Pixels. unmatched: borders that only one side has, in slivers narrower than the error, of all borders."""
+    """Pixels. matched: borders measured. unmatched: borders that only one side has."""
 
     largest: float
     rms: float
@@ -92,7 +95,29 @@ def _exact(scene: _native.Scene, camera: Camera, resolution: tuple[int, int]) ->
         height=height,
     )
     line = np.repeat(np.arange(height), np.diff(offsets))
-    return _borders(line, _merged(line, ends, np.ones_like(ends)), width)
+    return _with_slopes(_borders(line, _merged(line, ends, np.ones_like(ends)), width))
+
+
+def _with_slopes(borders: Borders) -> Borders:
+    """The same with `across` from the next border of the same kind on the two neighbouring scan lines."""
+    across = np.zeros(len(borders.x))
+    for kind in (True, False):
+        chosen = np.flatnonzero(borders.enters == kind)
+        line, x = borders.line[chosen], borders.x[chosen]
+        run = np.minimum(_nearest_distance(line - 1, x, line, x), _nearest_distance(line + 1, x, line, x))
+        across[chosen] = 1 / np.hypot(1.0, run)
+    return Borders(borders.line, borders.x, borders.enters, across)
+
+
+def _nearest_distance(line: NDArray[np.int64], x: Array, lines: NDArray[np.int64], xs: Array) -> Array:
+    """For places x on scan lines the distance (n,) to the nearest of the places xs on the same line, sorted by line and
+    place; +inf on a line without any."""
+    if not len(xs):
+        return np.full(len(x), np.inf)
+    spread = 4.0 * (1.0 + max(x.max(initial=0.0), xs.max()))
+    after = np.searchsorted(lines * spread + xs, line * spread + x)
+    candidates = np.clip(np.stack([after - 1, after]), 0, len(xs) - 1)
+    return np.where(lines[candidates] == line, np.abs(xs[candidates] - x), np.inf).min(axis=0)
 
 
 def mesh_borders(mesh: Mesh, subject: Subject) -> tuple[Borders, Borders]:
@@ -184,53 +209,46 @@ def _borders(line: NDArray[np.int64], joined: tuple[NDArray[np.bool_], Array, Ar
 
 
 def compare(exact: tuple[Borders, Borders], drawn: tuple[Borders, Borders]) -> OutlineError | None:
-    """Match borders of the same kind on the same scan line, each the other's nearest, and measure their distances.
-
-    None if no borders match.
-    """
+    """Measure the distances of matching borders. None if no borders match."""
     distances: list[Array] = []
     unmatched = 0
     for exact_side, drawn_side in zip(exact, drawn, strict=True):
-        for kind in (True, False):
-            p, q = (_of_kind(borders, kind) for borders in (exact_side, drawn_side))
-            nearest_p, nearest_q = _nearest(p, q), _nearest(q, p)
-            index = np.arange(len(p.x))
-            mutual = nearest_p >= 0
-            mutual[mutual] = nearest_q[nearest_p[mutual]] == index[mutual]
-            partner = nearest_p[mutual]
-            unmatched += len(p.x) + len(q.x) - 2 * len(partner)
-            across = q.across[partner]
-            steep = across >= np.sqrt(0.5)
-            distances.append((np.abs(p.x[mutual] - q.x[partner]) * across)[steep])
-    all_distances = np.concatenate(distances)
-    if not len(all_distances):
+        first, second, alone = _pairs(exact_side, drawn_side)
+        unmatched += alone
+        across = drawn_side.across[second]
+        steep = np.minimum(exact_side.across[first], across) >= STEEP
+        distances.append((np.abs(exact_side.x[first] - drawn_side.x[second]) * across)[steep])
+    every = np.concatenate(distances)
+    if not len(every):
         return None
-    rms = float(np.sqrt(np.mean(all_distances**2)))
-    return OutlineError(float(all_distances.max()), rms, len(all_distances), unmatched)
+    return OutlineError(float(every.max()), float(np.sqrt(np.mean(every**2))), len(every), unmatched)
 
 
-def _of_kind(borders: Borders, enters: bool) -> Borders:
-    chosen = borders.enters == enters
-    return Borders(borders.line[chosen], borders.x[chosen], borders.enters[chosen], borders.across[chosen])
+def _pairs(p: Borders, q: Borders) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
+    """Indices of the borders of p and of q that match, and how many of both match nothing.
 
-
-def _nearest(of: Borders, among: Borders) -> NDArray[np.int64]:
-    """For each border the index of the nearest one on its scan line; -1 where the line has none."""
-    if not len(among.x):
-        return np.full(len(of.x), -1)
-    spread = 4.0 * (1.0 + max(of.x.max(initial=0.0), among.x.max()))
-    keys = among.line * spread + among.x
-    above = np.searchsorted(keys, of.line * spread + of.x)
-    candidates = np.stack([np.clip(above - 1, 0, len(keys) - 1), np.clip(above, 0, len(keys) - 1)])
-    distance = np.where(among.line[candidates] == of.line, np.abs(among.x[candidates] - of.x), np.inf)
-    best = np.argmin(distance, axis=0)
-    column = np.arange(len(of.x))
-    return np.where(np.isfinite(distance[best, column]), candidates[best, column], -1)
+    Both sides cover nothing before a scan line's first border, so the first and the second bound the first stretch on
+    which they differ, the third and the fourth the next, and so on.
+    """
+    line = np.concatenate([p.line, q.line])
+    side = np.repeat([0, 1], [len(p.line), len(q.line)])
+    index = np.concatenate([np.arange(len(p.line)), np.arange(len(q.line))])
+    order = np.lexsort((np.concatenate([p.x, q.x]), line))
+    line, side, index = line[order], side[order], index[order]
+    starts = np.searchsorted(line, line)
+    place = np.arange(len(line)) - starts
+    opens = np.flatnonzero(place % 2 == 0)
+    opens = opens[opens + 1 < len(line)]
+    opens = opens[(line[opens] == line[opens + 1]) & (side[opens] != side[opens + 1])]
+    from_p = np.where(side[opens] == 0, opens, opens + 1)
+    from_q = np.where(side[opens] == 0, opens + 1, opens)
+    return index[from_p], index[from_q], len(line) - 2 * len(opens)
 
 
 def check_outline(subject: Subject, rows: Borders) -> OutlineCheck | None:
     """Seek borders of our rows, chosen at random, with OpenCascade's rays: bisection between a ray that hits and one
-    that misses. Along the scan line, so never less than the distance across the outline. None if no border is found.
+    that misses. Where a surface turns away there, its silhouette is solved for: grazing rays are found to 1e-5 pixels
+    only. Along the scan line, so never less than the distance across the outline. None if no border is found.
     """
     caster = RayCaster(subject.shape)
     chosen = np.random.default_rng(1).permutation(len(rows.x))[:CHECKED_BORDERS]
@@ -248,18 +266,26 @@ def _distance_to_change(subject: Subject, caster: RayCaster, rows: Borders, k: i
     eye = np.array(camera.position)
     down = rows.line[k] + 0.5 + ROW_SHIFT
 
-    def covered(x: float) -> bool:
-        origin = eye + subject.pixel * ((x - width / 2) * right + (height / 2 - down) * up)
-        return caster.covers(origin, forward)
+    def origin(x: float) -> Array:
+        return eye + subject.pixel * ((x - width / 2) * right + (height / 2 - down) * up)
 
     border, inwards = float(rows.x[k]), 1.0 if rows.enters[k] else -1.0
     step = FIRST_STEP
-    while not (covered(border + inwards * step) and not covered(border - inwards * step)):
+    while not (
+        caster.covers(origin(border + inwards * step), forward)
+        and not caster.covers(origin(border - inwards * step), forward)
+    ):
         step *= 10
         if step > LAST_STEP:
             return None
     inside, outside = border + inwards * step, border - inwards * step
     while abs(inside - outside) > 1e-3 * FIRST_STEP:
         middle = (inside + outside) / 2
-        inside, outside = (middle, outside) if covered(middle) else (inside, middle)
-    return abs((inside + outside) / 2 - border)
+        inside, outside = (middle, outside) if caster.covers(origin(middle), forward) else (inside, middle)
+    change = (inside + outside) / 2
+    silhouette = caster.silhouette(origin(inside), forward, up)
+    if silhouette is not None:
+        solved = width / 2 + (silhouette - eye) @ right / subject.pixel
+        if abs(solved - change) < GRAZING:
+            change = solved
+    return float(abs(change - border))

@@ -36,7 +36,8 @@ def save(report: Report, path: Path) -> None:
         axes.set(xscale="log", yscale="log", xlabel="seconds", title=title)
         axes.grid(True, which="major", alpha=0.3)
     figure.axes[0].set_ylabel("largest outline error, pixels")
-    figure.axes[0].legend(title="dots: meshes, stars: nofacet", fontsize="small")
+    labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(*labels, title="dots: meshes\nstars: nofacet", fontsize="small", loc="outside right upper")
     figure.savefig(path, dpi=100)
 
 
