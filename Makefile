@@ -69,6 +69,7 @@ oracle: setup
 	$(PYTHON) tests/oracle_all.py
 
 bench: setup
+	$(VENV)/bin/nofacet bench --output=benchmarks/results
 	$(PYTHON) benchmarks/run.py
 
 clean:

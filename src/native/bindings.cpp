@@ -18,7 +18,9 @@
 #include "extract/stream_scan.h"
 #include "extract/trim_loops.h"
 #include "extract/use_order.h"
+#include "floor.h"
 #include "methods.h"
+#include "outline.h"
 
 namespace nb = nanobind;
 using namespace nofacet;
@@ -120,12 +122,8 @@ T* data_or_null(Buffer<T>& buffer) {
   return buffer ? buffer->data() : nullptr;
 }
 
-nb::dict render(const BoundScene& bound, const std::string& method_name, std::tuple<double, double, double> eye,
-                Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height, int samples,
-                int threads, bool edges, Buffer<float> color, Buffer<float> coverage, Buffer<double> depth,
-                Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
-  const Method* method = find_method(method_name);
-  if (!method) throw std::invalid_argument("unknown method " + method_name);
+Camera make_camera(std::tuple<double, double, double> eye, Array<double, nb::shape<3, 3>> axes, double scale,
+                   bool perspective, int width, int height) {
   Camera camera{};
   std::tie(camera.eye[0], camera.eye[1], camera.eye[2]) = eye;
   for (int c = 0; c < 3; ++c) {
@@ -137,6 +135,16 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
   camera.perspective = perspective;
   camera.width = width;
   camera.height = height;
+  return camera;
+}
+
+nb::dict render(const BoundScene& bound, const std::string& method_name, std::tuple<double, double, double> eye,
+                Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height, int samples,
+                int threads, bool edges, Buffer<float> color, Buffer<float> coverage, Buffer<double> depth,
+                Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
+  const Method* method = find_method(method_name);
+  if (!method) throw std::invalid_argument("unknown method " + method_name);
+  const Camera camera = make_camera(eye, axes, scale, perspective, width, height);
   const Frame frame{width,
                     height,
                     data_or_null(color),
@@ -177,6 +185,41 @@ nb::ndarray<nb::numpy, uint8_t, nb::ndim<1>> frame_buffer(std::size_t bytes) {
     delete held;
   });
   return {lease->memory, {bytes}, owner};
+}
+
+nb::dict measure_scene_floor(const BoundScene& bound, Array<int32_t, nb::shape<-1, -1>> face,
+                             Array<double, nb::shape<-1, -1, 2>> uv, int repeats) {
+  FloorResult floor;
+  {
+    nb::gil_scoped_release release;
+    floor = measure_floor(*bound.scene, face.data(), uv.data(), face.size(), repeats);
+  }
+  nb::dict result;
+  result["seconds"] = floor.seconds;
+  result["samples"] = floor.samples;
+  result["checksum"] = floor.checksum;
+  return result;
+}
+
+// A new array that owns the values.
+template <class T>
+nb::ndarray<nb::numpy, T> owned_array(std::vector<T> values, std::initializer_list<std::size_t> shape) {
+  auto* kept = new std::vector<T>(std::move(values));
+  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
+}
+
+nb::tuple scene_outline(const BoundScene& bound, std::tuple<double, double, double> eye,
+                        Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height) {
+  Outline found;
+  std::vector<double> ends;
+  {
+    nb::gil_scoped_release release;
+    found = outline(*bound.scene, make_camera(eye, axes, scale, perspective, width, height));
+    for (const Interval& stretch : found.stretches) ends.insert(ends.end(), {stretch.lo, stretch.hi});
+  }
+  const std::size_t rows = found.offsets.size(), count = found.stretches.size();
+  return nb::make_tuple(owned_array(std::move(found.offsets), {rows}), owned_array(std::move(ends), {count, 2}));
 }
 
 std::vector<std::string> method_names() {
@@ -363,7 +406,12 @@ NB_MODULE(_native, module) {
            nb::arg("edges"), nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(),
            nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(),
            nb::arg("normal") = nb::none(),
-           "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.");
+           "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.")
+      .def("floor", &measure_scene_floor, nb::arg("face"), nb::arg("uv"), nb::arg("repeats"),
+           "Seconds that evaluating every shown sample takes where its (u, v) is known; from a frame's face and uv.")
+      .def("outline", &scene_outline, nb::arg("eye"), nb::arg("axes"), nb::arg("scale"), nb::arg("perspective"),
+           nb::arg("width"), nb::arg("height"),
+           "Covered stretches of each pixel row, in pixels: offsets (height + 1,), ends (k, 2).");
   module.def("frame_buffer", &frame_buffer, nb::arg("bytes"),
              "Uninitialised uint8 array of shape (bytes,) in memory that is used again for later frames.");
   module.def("method_names", &method_names, "Names of the rendering methods.");

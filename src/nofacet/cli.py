@@ -1,4 +1,4 @@
-"""The command line: `nofacet render` and `nofacet info`.
+"""The command line: `nofacet render`, `nofacet info` and `nofacet bench`.
 
 Exit status: 0 done, 1 the input could not be shown or the picture not be written, 2 wrong usage.
 """
@@ -23,7 +23,7 @@ from .camera import DEFAULT_VIEW_ANGLE, VIEWS, Camera
 from .cli_options import (
     Parser,
     UsageError,
-    add_common_options,
+    add_bench_options,
     add_info_options,
     add_render_options,
     did_you_mean,
@@ -79,10 +79,10 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     for name, add_options, run, text in (
         ("render", add_render_options, _render, "draw a STEP or BREP file into a picture"),
         ("info", add_info_options, _info, "say what is in a STEP or BREP file"),
+        ("bench", add_bench_options, _bench, "measure speed and error of exact pictures and of triangles"),
     ):
         command = subparsers.add_parser(name, help=text, description=f"{text.capitalize()}.", allow_abbrev=False)
         add_options(command)
-        add_common_options(command)
         commands[name] = command, run
 
     words = list(sys.argv[1:] if arguments is None else arguments)
@@ -153,6 +153,14 @@ def _info(options: argparse.Namespace) -> int:
     model = _load(options, measure=True)
     print(summary(model, faces=options.faces))
     return 1 if options.strict and model.warnings else 0
+
+
+def _bench(options: argparse.Namespace) -> int:
+    from .bench.run import run, write  # loads OpenCascade
+
+    report = run(options.models, options.resolution, options.threads, options.quick, _say)
+    sys.stdout.write(write(report, Path(options.output), plotted=not options.quick))
+    return 0 if report.subjects else 1
 
 
 def _load(options: argparse.Namespace, measure: bool = False) -> nofacet.Model:

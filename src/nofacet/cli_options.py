@@ -45,11 +45,31 @@ def add_common_options(parser: argparse.ArgumentParser) -> None:
         "--timeout", type=_positive, default=300.0, metavar="SECONDS", help="for reading (default: 300)"
     )
     parser.add_argument("--strict", action="store_true", help="exit with status 1 if there was a warning")
+    _add_verbose(parser)
+
+
+def _add_verbose(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--verbose", action="store_true", help="print the time of each stage, and tracebacks")
 
 
 def add_info_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--faces", action="store_true", help="add a line for every face")
+    add_common_options(parser)
+
+
+def add_bench_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add(
+        "models",
+        nargs="*",
+        metavar="MODEL",
+        help="STEP or BREP files, sphere or torus (default: the project's own and third-party models)",
+    )
+    add("--output", default="build/bench", metavar="DIR", help="for bench.md, .json and .png (default: build/bench)")
+    add("--resolution", type=_resolution, default=(1920, 1080), metavar="W,H", help="in pixels (default: 1920,1080)")
+    add("--threads", type=_count, default=2, metavar="N", help="compared with one thread (default: 2)")
+    add("--quick", action="store_true", help="only our frames and the floor under them: no meshes, no comparisons")
+    _add_verbose(parser)
 
 
 def add_render_options(parser: argparse.ArgumentParser) -> None:
@@ -102,6 +122,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="DEGREES",
         help=f"perspective with this vertical angle (default: {DEFAULT_VIEW_ANGLE:g})",
     )
+    add_common_options(parser)
 
 
 def _numbers(text: str, count: int, example: str) -> tuple[float, ...]:

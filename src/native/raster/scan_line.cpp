@@ -29,20 +29,22 @@ bool ScanLine::hides(double x0, double x1, double nearest) const {
 void ScanLine::covered(double width, std::vector<Interval>& out) const {
   out.clear();
   for (const VisibleSegment& segment : segments) out.push_back({segment.x0, segment.x1});
-  if (!transparent.empty()) {
-    for (const Span* span : transparent) out.push_back({std::max(span->x0, 0.0), std::min(span->x1, width)});
-    std::sort(out.begin(), out.end(), [](const Interval& p, const Interval& q) { return p.lo < q.lo; });
-  }
+  for (const Span* span : transparent) out.push_back({std::max(span->x0, 0.0), std::min(span->x1, width)});
+  merge_stretches(out);
+}
+
+void merge_stretches(std::vector<Interval>& stretches) {
+  std::sort(stretches.begin(), stretches.end(), [](const Interval& p, const Interval& q) { return p.lo < q.lo; });
   std::size_t kept = 0;
-  for (const Interval& next : out) {
+  for (const Interval& next : stretches) {
     // Neighbouring faces meet but for rounding.
-    if (kept > 0 && next.lo <= out[kept - 1].hi + kSliverPixels) {
-      out[kept - 1].hi = std::max(out[kept - 1].hi, next.hi);
+    if (kept > 0 && next.lo <= stretches[kept - 1].hi + kSliverPixels) {
+      stretches[kept - 1].hi = std::max(stretches[kept - 1].hi, next.hi);
     } else {
-      out[kept++] = next;
+      stretches[kept++] = next;
     }
   }
-  out.resize(kept);
+  stretches.resize(kept);
 }
 
 void Visibility::insert(const Span& span, std::vector<VisibleSegment>& segments) {

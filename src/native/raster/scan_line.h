@@ -29,6 +29,9 @@ struct ScanLine {
   void covered(double width, std::vector<Interval>& out) const;
 };
 
+// Sorts stretches of x and joins those that overlap or meet.
+void merge_stretches(std::vector<Interval>& stretches);
+
 // `depth_tie`: depths closer than this are one and the same surface, for coincident faces computed from different
 // patches differ by rounding only; the face with the lower index is then shown.
 //

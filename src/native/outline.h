@@ -1,0 +1,21 @@
+// What of each pixel row the model covers: the exact outline, to compare drawn outlines with.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "camera.h"
+#include "raster/piece.h"
+#include "scene.h"
+
+namespace nofacet {
+
+// Covered stretches on the planes through the rows' pixel centres, in pixels: disjoint, ascending, inside the picture.
+// Those of row r are stretches[offsets[r]] .. stretches[offsets[r + 1] - 1].
+struct Outline {
+  std::vector<int64_t> offsets;
+  std::vector<Interval> stretches;
+};
+
+Outline outline(const Scene& scene, const Camera& camera);
+
+}  // namespace nofacet

@@ -1,0 +1,68 @@
+"""A mesh of a model: how long making and drawing it takes, and how far its outline is from the exact one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..cad.tessellate import Mesh, tessellate
+from . import embree, gl
+from .child import ChildFailure, in_child
+from .mesh_setting import MeshSetting
+from .outline import Borders, OutlineError, compare, mesh_borders
+from .subject import Subject
+
+DRAWING_LIMIT = 60.0  # seconds
+
+
+@dataclass
+class MeshResult:
+    """One mesh.
+
+    seconds: wall-clock, OpenCascade's mesher on one thread; the limit where it ran into that (timed_out).
+    megabytes: of vertices (float32 position and normal) and indices.
+    opengl: seconds a frame. embree: seconds a frame by threads. Empty or None where not measured.
+    """
+
+    setting: MeshSetting
+    seconds: float
+    timed_out: bool = False
+    triangles: int = 0
+    megabytes: float = 0.0
+    opengl: float | None = None
+    embree: dict[int, float] = field(default_factory=dict)
+    outline: OutlineError | None = None
+
+
+def measure_mesh(
+    subject: Subject,
+    setting: MeshSetting,
+    exact: tuple[Borders, Borders],
+    threads: int,
+    limit: float,
+    left_out: list[str],
+) -> MeshResult:
+    """Mesh, draw and compare; what fails gets a line in left_out. exact: the exact borders on rows and columns."""
+    what = f"{subject.name}, mesh {setting.name}"
+
+    def make() -> Mesh:
+        return tessellate(subject.shape, setting.deflection, setting.angle, setting.delabella)
+
+    try:
+        mesh = in_child(make, limit)
+    except (TimeoutError, ChildFailure) as failure:
+        left_out.append(f"{what}: {failure}")
+        return MeshResult(setting, limit, timed_out=isinstance(failure, TimeoutError))
+    result = MeshResult(setting, mesh.seconds, triangles=len(mesh.triangles))
+    result.megabytes = (24 * len(mesh.points) + 12 * len(mesh.triangles)) / 1e6
+    if not result.triangles:
+        left_out.append(f"{what}: no triangles")
+        return result
+    try:
+        if gl.missing() is None:
+            result.opengl = in_child(lambda: gl.frame_seconds(mesh, subject), DRAWING_LIMIT)
+        if embree.missing() is None:
+            result.embree = in_child(lambda: embree.frame_seconds(mesh, subject, threads), DRAWING_LIMIT)
+    except (TimeoutError, ChildFailure) as failure:
+        left_out.append(f"{what}, drawing: {failure}")
+    result.outline = compare(exact, mesh_borders(mesh, subject))
+    return result
