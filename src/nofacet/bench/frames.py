@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
+from typing import Any
 
 from .. import _native
 from ..camera import Camera
 from ..model import Model
 from ..render import DEFAULT_METHOD, render
 from .subject import Subject
-from .timing import Timing, repeat
+from .timing import Timing, repeat, repeat_in_turn
 
 BUFFERS = ("color", "coverage", "depth", "face")
-FLOOR_REPEATS = 25
+FLOOR_REPEATS = 3  # a round
 # Of the methods that are only compared, the frames of this many samples are measured.
 COMPARED_SAMPLES = 1
 
@@ -41,14 +43,26 @@ class Floor:
     samples: int
 
 
-def measure_frames(subject: Subject, threads: int, methods: tuple[str, ...]) -> list[FrameTime]:
-    """Frames on one thread and on `threads`, with one sample a pixel row; of the default method with four, too."""
-    return [
-        frame_time(subject.model, subject.camera, subject.resolution, method, count, samples)
+def measure_frames(subject: Subject, threads: int, methods: tuple[str, ...]) -> tuple[list[FrameTime], Floor]:
+    """Frames on one thread and on `threads`, with one sample a pixel row; of the default method with four, too. And the
+    floor of the same frame. All in turn, so that the ratios hold whatever the machine's speed does meanwhile."""
+    model, camera, resolution = subject.model, subject.camera, subject.resolution
+    wanted = [
+        (method, count, samples)
         for method in methods
         for samples in ((1, 4) if method == DEFAULT_METHOD else (COMPARED_SAMPLES,))
         for count in dict.fromkeys((1, threads))
     ]
+    shown = render(model, camera, resolution, samples=1, buffers=("face", "uv"))  # prepares the model, too
+    scene = _native.Scene(model)
+    floor, *frames = repeat_in_turn(
+        [
+            lambda: scene.floor(face=shown.face, uv=shown.uv, repeats=FLOOR_REPEATS),
+            *(functools.partial(_draw, model, camera, resolution, *request) for request in wanted),
+        ]
+    )
+    times = [_frame_time(request, *measured) for request, measured in zip(wanted, frames, strict=True)]
+    return times, Floor(floor[1]["seconds"], floor[1]["samples"])
 
 
 def frame_time(
@@ -56,14 +70,17 @@ def frame_time(
 ) -> FrameTime:
     """Repeated frames of a prepared model."""
     render(model, camera, (16, 16), samples=1)  # prepares it
+    request = (method, threads, samples)
+    return _frame_time(request, *repeat(lambda: _draw(model, camera, resolution, *request)))
+
+
+def _draw(
+    model: Model, camera: Camera, resolution: tuple[int, int], method: str, threads: int, samples: int
+) -> dict[str, Any]:
     # Only the statistics are kept: a frame that is let go leaves its memory to the next, as in a viewer.
-    timing, stats = repeat(lambda: render(model, camera, resolution, method, samples, threads, buffers=BUFFERS).stats)
+    return render(model, camera, resolution, method, samples, threads, buffers=BUFFERS).stats
+
+
+def _frame_time(request: tuple[str, int, int], timing: Timing, stats: dict[str, Any]) -> FrameTime:
     stages = {key.removesuffix("_seconds"): value for key, value in stats.items() if key.endswith("_seconds") and value}
-    return FrameTime(method, threads, samples, timing, stats.get("pieces", 0), stages)
-
-
-def measure_floor(model: Model, camera: Camera, resolution: tuple[int, int]) -> Floor:
-    """The floor of the frame that the camera sees."""
-    frame = render(model, camera, resolution, samples=1, buffers=("face", "uv"))
-    result = _native.Scene(model).floor(face=frame.face, uv=frame.uv, repeats=FLOOR_REPEATS)
-    return Floor(result["seconds"], result["samples"])
+    return FrameTime(*request, timing, stats.get("pieces", 0), stages)

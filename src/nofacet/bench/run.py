@@ -15,7 +15,7 @@ from .bars import bars
 from .child import ChildFailure, in_child
 from .crowd import measure_crowds
 from .first_picture import measure_first_picture
-from .frames import measure_floor, measure_frames
+from .frames import measure_frames
 from .machine import describe
 from .mesh_result import measure_mesh
 from .mesh_setting import mesh_settings
@@ -66,8 +66,7 @@ def _measure(subject: Subject, threads: int, quick: bool, meshing_limit: float, 
         subject.name, subject.resolution, subject.model.face_count, subject.patch_count, subject.pixel
     )
     result.first_pictures = [measure_first_picture(subject, count) for count in dict.fromkeys((1, threads))]
-    result.frames = measure_frames(subject, threads, methods())
-    result.floor = measure_floor(subject.model, subject.camera, subject.resolution)
+    result.frames, result.floor = measure_frames(subject, threads, methods())
     if quick:
         return result
     exact = exact_borders(subject)

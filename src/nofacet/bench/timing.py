@@ -25,15 +25,24 @@ class Timing:
 
 def repeat(function: Callable[[], Any], enough: float = ENOUGH_SECONDS) -> tuple[Timing, Any]:
     """Run it a few times, until that took `enough` seconds; the times, and what the fastest run returned."""
-    seconds: list[float] = []
-    best: Any = None
+    return repeat_in_turn([function], enough)[0]
+
+
+def repeat_in_turn(functions: list[Callable[[], Any]], enough: float = ENOUGH_SECONDS) -> list[tuple[Timing, Any]]:
+    """The same for several whose times are to be compared: one after the other in each round, because a machine's
+    speed drifts. Rounds go on until they took `enough` seconds for each."""
+    seconds: list[list[float]] = [[] for _ in functions]
+    best: list[Any] = [None for _ in functions]
     while True:
-        start = time.perf_counter()
-        result = function()
-        seconds.append(time.perf_counter() - start)
-        if seconds[-1] == min(seconds):
-            best = result
-        spent = sum(seconds)
-        done = len(seconds) >= FEWEST_RUNS and (spent > enough or len(seconds) >= MOST_RUNS)
-        if done or spent > TOO_SLOW:
-            return Timing(min(seconds), median(seconds), len(seconds)), best
+        for k, function in enumerate(functions):
+            start = time.perf_counter()
+            result = function()
+            seconds[k].append(time.perf_counter() - start)
+            if seconds[k][-1] == min(seconds[k]):
+                best[k] = result
+        spent, rounds = sum(map(sum, seconds)), len(seconds[0])
+        done = rounds >= FEWEST_RUNS and (spent > enough * len(functions) or rounds >= MOST_RUNS)
+        if done or spent > TOO_SLOW * len(functions):
+            return [
+                (Timing(min(times), median(times), rounds), kept) for times, kept in zip(seconds, best, strict=True)
+            ]
