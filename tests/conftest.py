@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 
 from nofacet.model import Model, PatchGroup
+
+os.environ["NOFACET_CACHE"] = "off"  # tests leave the user's models alone; those of the cache use a folder of their own
 
 # Third-party test files beside the repository; tests that need them are skipped where they are not there.
 SHARED_MODELS = Path(__file__).resolve().parents[2] / "shared" / "models"

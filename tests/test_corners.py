@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import sqrt
 
 import pytest
 
-from nofacet.cad.corners import weld
-from nofacet.cad.loops import Loop, ParameterSpace, reverse
+from trim_loops import Loop, reverse, weld
 
-PLANE = ParameterSpace((0.0, 0.0), (-2e100, 2e100, -2e100, 2e100), lambda axis, value: False)
 Place = tuple[float, ...]
 
 
@@ -24,7 +22,7 @@ def rest(start: Place, end: Place) -> Loop:
 
 def corner(first: Loop, second: Loop) -> Loop:
     """The welded loop of two edges at a corner of a square of side 10 and the way back."""
-    loop = weld([*first, *second, *rest(second[-1][0][-1][:2], first[0][0][0][:2])], 10, 10, PLANE)
+    loop = weld([*first, *second, *rest(second[-1][0][-1][:2], first[0][0][0][:2])], 10, 10)
     for (points, _), (following, _) in zip(loop, [*loop[1:], loop[0]], strict=True):
         assert points[-1] == following[0] and points[-1][2] == 1 == points[0][2]
     return loop
@@ -109,13 +107,12 @@ def test_pieces_beyond_the_crossing_are_dropped_but_no_other_edge() -> None:
 
 
 def test_a_loop_with_a_single_gap_is_cut_on_both_of_its_sides() -> None:
-    loop = weld([*line((5, -0.25), (5, 5), 0), *line((5, 5), (0, 0), 1), *line((0, 0), (5.25, 0), 2)], 5, 5, PLANE)
+    loop = weld([*line((5, -0.25), (5, 5), 0), *line((5, 5), (0, 0), 1), *line((0, 0), (5.25, 0), 2)], 5, 5)
     assert ends(loop) == [((5, 0), (5, 5), 0), ((5, 5), (0, 0), 1), ((0, 0), (5, 0), 2)]
 
 
 def test_small_gaps_are_moved_away_and_poles_stay_straight() -> None:
     assert len(corner(line((0, 0), (10, 0), 0), line((10, 1e-9), (10, 5), 1))) == 5
-    sphere = ParameterSpace((2 * pi, 0.0), (0, 2 * pi, -pi / 2, pi / 2), lambda axis, value: axis == 1 and value == 1)
     slanted = [*line((0, 0), (4.5, 1), 0), *line((5, 1), (10, 0), 1), *line((10, 0), (0, 0), 2)]
-    assert ends(weld(slanted, 10, 1, sphere))[1] == ((4.5, 1), (5, 1), -1)
-    assert len(weld(slanted, 10, 1, PLANE)) == 5
+    assert ends(weld(slanted, 10, 1, at_pole=lambda v: v == 1))[1] == ((4.5, 1), (5, 1), -1)
+    assert len(weld(slanted, 10, 1)) == 5

@@ -136,7 +136,9 @@ def test_a_buffer_alone_equals_that_among_others(name: str, method: str) -> None
             array = getattr(frame, buffer)
             assert array.dtype == dtype
             assert array.shape == ((50, 67) if channels == 1 else (50, 67, channels))
-            np.testing.assert_array_equal(array, getattr(whole, buffer), err_msg=buffer)
+            # The same to rounding: points are solved in groups, and which other planes are cut decides on the groups.
+            rounding = 1e-6 if dtype == np.float32 else 1e-12
+            np.testing.assert_allclose(array, getattr(whole, buffer), rounding, rounding, err_msg=buffer)
 
 
 @every_method

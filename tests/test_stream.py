@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from conftest import SHARED_MODELS
 
 pytest.importorskip("OCP")
 
+import OCP.BinTools as bintools
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
 from OCP.BRepTools import BRepTools
@@ -69,11 +72,11 @@ def test_faces_come_in_the_order_orientation_and_place_that_opencascade_gives(so
     parsed = stream.read(shape)
     ours = placed_faces(parsed)
     model = convert(shape, source)
-    assert len(ours) == len(theirs) == model.face_count
-    assert [face.orientation for face in ours] == [int(face.Orientation().value) for face in theirs]
+    assert len(ours.shape) == len(theirs) == model.face_count
+    assert ours.orientation.tolist() == [int(face.Orientation().value) for face in theirs]
     same_shape: dict[int, TopoDS_Shape] = {}
-    for k, (face, reference) in enumerate(zip(ours, theirs, strict=True)):
-        assert same_shape.setdefault(face.shape, reference).IsPartner(reference)
+    for k, (number, reference) in enumerate(zip(ours.shape.tolist(), theirs, strict=True)):
+        assert same_shape.setdefault(number, reference).IsPartner(reference)
         own = TopLoc_Location()
         BRep_Tool.Surface_s(TopoDS.Face_s(reference.Located(TopLoc_Location())), own)
         trsf = (reference.Location() * own).Transformation()
@@ -103,6 +106,17 @@ def test_null_shapes_and_foreign_bytes_are_input_errors() -> None:
         stream.read(TopoDS_Shape())
     with pytest.raises(InputError):
         stream.parse(b"\nOpen CASCADE Topology V3 (c)\nLocations 0\n")
+
+
+def test_bytes_that_end_too_early_are_input_errors() -> None:
+    buffer = io.BytesIO()
+    shape = compound(nested(), BRepPrimAPI_MakeCylinder(2.0, 5.0).Shape())
+    bintools.BinTools.Write_s(shape, buffer, False, False, bintools.BinTools_FormatVersion_VERSION_4)
+    data = buffer.getvalue()
+    assert len(stream.parse(data).kinds) > 20
+    for length in [*range(0, len(data) - 1, 97), len(data) - 1]:
+        with pytest.raises(InputError):
+            stream.parse(data[:length])
 
 
 def test_edges_and_curves_of_a_cylinder() -> None:

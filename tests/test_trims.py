@@ -39,9 +39,9 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Wire
 from nofacet.cad import measure
 from nofacet.cad.chains import Point, Stretch, chain
 from nofacet.cad.convert import convert
-from nofacet.cad.corners import weld
-from nofacet.cad.loops import Loops, ParameterSpace, as_runs, joints, order_uses, welded
+from nofacet.cad.loops import Loops, ParameterSpace, order_uses
 from nofacet.model import Model
+from trim_loops import closed_by_box, weld
 
 FLAT = gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0))
 Points = NDArray[np.float64]
@@ -384,7 +384,7 @@ def test_uses_shifted_by_a_period_are_chained_but_a_missing_pole_edge_is_not_a_s
     cone = ParameterSpace((turn, 0.0), (0, turn, -2e100, 2e100), lambda axis, value: axis == 1 and value == 1)
     (loop,) = chain(uses, (turn, 1), cone)
     assert loop == uses
-    whole = weld([([(*stretch.start, 1.0), (*stretch.end, 1.0)], 0) for stretch in loop], turn, 1.0, cone)
+    whole = weld([([(*stretch.start, 1.0), (*stretch.end, 1.0)], 0) for stretch in loop], turn, 1.0)
     assert ([(turn, 1, 1.0), (0, 1, 1.0)], -1) in whole
 
 
@@ -396,19 +396,17 @@ def square() -> Loops:
 
 
 def test_small_gaps_are_moved_away_and_wide_ones_get_a_link() -> None:
-    box = np.array([[0.0, 1.0, 0.0, 1.0]])
+    box = (0.0, 1.0, 0.0, 1.0)
     loops = square()
     loops.points[2] += (1e-12, 0, 0)
     loops.points[7] += (0, 1e-12, 0)
-    runs, segments = as_runs(loops)
-    whole = welded(runs, segments, joints(runs, box))
+    whole = closed_by_box(loops, box)
     np.testing.assert_array_equal(whole.points[1], whole.points[2])
     np.testing.assert_array_equal(whole.points[7], whole.points[0])
     np.testing.assert_array_equal(whole.edge, [0, 1, 2, 3])
     loops = square()
     loops.points[4] -= (0.1, 0, 0)
-    runs, segments = as_runs(loops)
-    whole = welded(runs, segments, joints(runs, box))
+    whole = closed_by_box(loops, box)
     np.testing.assert_array_equal(whole.edge, [0, 1, -1, 2, 3])
     np.testing.assert_array_equal(whole.points[4:6], [(1, 1, 1), (0.9, 1, 1)])
     np.testing.assert_array_equal(whole.loop_offsets, [0, 5])

@@ -12,6 +12,12 @@
 #include <tuple>
 
 #include "bezier/bernstein.h"
+#include "buffer_pool.h"
+#include "extent.h"
+#include "extract/spline.h"
+#include "extract/stream_scan.h"
+#include "extract/trim_loops.h"
+#include "extract/use_order.h"
 #include "floor.h"
 #include "methods.h"
 #include "outline.h"
@@ -26,51 +32,94 @@ using Array = nb::ndarray<const T, nb::c_contig, nb::device::cpu, Shape...>;
 template <class T>
 using Buffer = std::optional<nb::ndarray<T, nb::c_contig, nb::device::cpu>>;
 
-// The prepared scene and the Python arrays it looks into.
+// Python arrays that C++ looks into; copies of them where they had the wrong type or layout.
+using Kept = std::vector<nb::ndarray<>>;
+
+// The prepared scene and the arrays it looks into.
 struct BoundScene {
-  std::vector<nb::object> kept;
+  Kept kept;
   std::unique_ptr<Scene> scene;
 };
 
 template <class T, class... Shape>
-const T* field(BoundScene& bound, nb::handle owner, const char* name, std::size_t* count = nullptr) {
-  nb::object object = owner.attr(name);
-  const auto array = nb::cast<Array<T, Shape...>>(object);
-  bound.kept.push_back(object);
+const T* field(Kept& kept, nb::handle owner, const char* name, std::size_t* count = nullptr) {
+  const auto array = nb::cast<Array<T, Shape...>>(owner.attr(name));
+  kept.emplace_back(array);
   if (count) *count = array.shape(0);
   return array.data();
 }
 
-PatchGroup patch_group(BoundScene& bound, nb::handle source) {
+PatchGroup patch_group(Kept& kept, nb::handle source) {
   PatchGroup group;
-  group.control_points = field<double, nb::shape<-1, -1, -1, 4>>(bound, source, "control_points", &group.count);
+  group.control_points = field<double, nb::shape<-1, -1, -1, 4>>(kept, source, "control_points", &group.count);
   const auto points = nb::cast<Array<double>>(source.attr("control_points"));
   group.degree_u = int(points.shape(1)) - 1;
   group.degree_v = int(points.shape(2)) - 1;
   if (group.degree_u < 1 || group.degree_v < 1 || group.degree_u > kMaxDegree || group.degree_v > kMaxDegree) {
     throw std::invalid_argument("patch degrees must be between 1 and " + std::to_string(kMaxDegree));
   }
-  group.definition = field<int32_t, nb::shape<-1>>(bound, source, "definition");
-  group.domain = field<double, nb::shape<-1, 4>>(bound, source, "domain");
-  group.angular = field<uint8_t, nb::shape<-1, 2>>(bound, source, "angular");
+  group.definition = field<int32_t, nb::shape<-1>>(kept, source, "definition");
+  group.domain = field<double, nb::shape<-1, 4>>(kept, source, "domain");
+  group.angular = field<uint8_t, nb::shape<-1, 2>>(kept, source, "angular");
   return group;
+}
+
+Model model_view(Kept& kept, nb::handle source) {
+  Model model;
+  for (nb::handle group : source.attr("groups")) model.groups.push_back(patch_group(kept, group));
+  model.trimmed = field<uint8_t, nb::shape<-1>>(kept, source, "trimmed", &model.definition_count);
+  model.definition_loops = field<int64_t, nb::shape<-1>>(kept, source, "definition_loops");
+  model.loop_offsets = field<int64_t, nb::shape<-1>>(kept, source, "loop_offsets");
+  model.segment_offsets = field<int64_t, nb::shape<-1>>(kept, source, "segment_offsets");
+  model.segment_points = field<double, nb::shape<-1, 3>>(kept, source, "segment_points");
+  model.segment_edge = field<int32_t, nb::shape<-1>>(kept, source, "segment_edge");
+  model.face_definition = field<int32_t, nb::shape<-1>>(kept, source, "face_definition", &model.face_count);
+  model.face_placement = field<int32_t, nb::shape<-1>>(kept, source, "face_placement");
+  model.placements = field<double, nb::shape<-1, 4, 4>>(kept, source, "placements");
+  model.face_color = field<float, nb::shape<-1, 4>>(kept, source, "face_color");
+  return model;
 }
 
 void init_scene(BoundScene* self, nb::handle source) {
   new (self) BoundScene();
-  Model model;
-  for (nb::handle group : source.attr("groups")) model.groups.push_back(patch_group(*self, group));
-  model.trimmed = field<uint8_t, nb::shape<-1>>(*self, source, "trimmed", &model.definition_count);
-  model.definition_loops = field<int64_t, nb::shape<-1>>(*self, source, "definition_loops");
-  model.loop_offsets = field<int64_t, nb::shape<-1>>(*self, source, "loop_offsets");
-  model.segment_offsets = field<int64_t, nb::shape<-1>>(*self, source, "segment_offsets");
-  model.segment_points = field<double, nb::shape<-1, 3>>(*self, source, "segment_points");
-  model.segment_edge = field<int32_t, nb::shape<-1>>(*self, source, "segment_edge");
-  model.face_definition = field<int32_t, nb::shape<-1>>(*self, source, "face_definition", &model.face_count);
-  model.face_placement = field<int32_t, nb::shape<-1>>(*self, source, "face_placement");
-  model.placements = field<double, nb::shape<-1, 4, 4>>(*self, source, "placements");
-  model.face_color = field<float, nb::shape<-1, 4>>(*self, source, "face_color");
-  self->scene = std::make_unique<Scene>(std::move(model));
+  self->scene = std::make_unique<Scene>(model_view(self->kept, source));
+}
+
+// A numpy array that owns a vector.
+template <class T, class Shape>
+auto owned(std::vector<T>&& values, Shape shape) {
+  auto* kept = new std::vector<T>(std::move(values));
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(kept->data(), shape.size(), shape.begin(), owner);
+}
+template <class T>
+auto owned(std::vector<T>&& values) {
+  const std::size_t count = values.size();
+  return owned(std::move(values), std::initializer_list<std::size_t>{count});
+}
+
+auto owned_pairs(std::vector<double>&& pairs) {
+  const std::size_t count = pairs.size() / 2;
+  return owned(std::move(pairs), std::initializer_list<std::size_t>{count, 2});
+}
+
+// A numpy array of bool.
+auto owned_flags(std::vector<uint8_t>&& values) {
+  return nb::object(nb::cast(owned(std::move(values))).attr("view")("?"));
+}
+
+nb::tuple surface_points_of(nb::handle source) {
+  Kept kept;
+  SurfacePoints points = surface_points(model_view(kept, source));
+  const std::size_t count = points.xyz.size() / 3;
+  return nb::make_tuple(owned(std::move(points.xyz), std::initializer_list<std::size_t>{count, 3}),
+                        owned(std::vector<int64_t>(points.first.begin(), points.first.end())));
+}
+
+auto support_of(nb::handle source, Array<double, nb::shape<-1, 3>> directions) {
+  Kept kept;
+  const Model model = model_view(kept, source);
+  return owned(support(model, surface_points(model), directions.data(), directions.shape(0)));
 }
 
 template <class T>
@@ -115,13 +164,32 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
     stats = method->render(*bound.scene, camera, {samples, threads, edges}, frame);
   }
   nb::dict result;
+  result["project_seconds"] = stats.project_seconds;
   result["subdivide_seconds"] = stats.subdivide_seconds;
-  result["scan_seconds"] = stats.scan_seconds;
+  result["span_seconds"] = stats.span_seconds;
+  result["visibility_seconds"] = stats.visibility_seconds;
+  result["shade_seconds"] = stats.shade_seconds;
+  result["average_seconds"] = stats.average_seconds;
   result["edge_seconds"] = stats.edge_seconds;
   result["pieces"] = stats.pieces;
   result["unresolved"] = stats.unresolved;
   result["unresolved_faces"] = stats.unresolved_faces;
   return result;
+}
+
+// Uninitialised memory for a frame's buffer, from the pool and back to it when the last array on it is gone.
+nb::ndarray<nb::numpy, uint8_t, nb::ndim<1>> frame_buffer(std::size_t bytes) {
+  struct Lease {
+    void* memory;
+    std::size_t bytes;
+  };
+  auto* lease = new Lease{BufferPool::instance().take(bytes), bytes};
+  nb::capsule owner(lease, [](void* p) noexcept {
+    auto* held = static_cast<Lease*>(p);
+    BufferPool::instance().give_back(held->memory, held->bytes);
+    delete held;
+  });
+  return {lease->memory, {bytes}, owner};
 }
 
 nb::dict measure_scene_floor(const BoundScene& bound, Array<int32_t, nb::shape<-1, -1>> face,
@@ -138,31 +206,182 @@ nb::dict measure_scene_floor(const BoundScene& bound, Array<int32_t, nb::shape<-
   return result;
 }
 
-// A new array that owns the values.
-template <class T>
-nb::ndarray<nb::numpy, T> owned_array(std::vector<T> values, std::initializer_list<std::size_t> shape) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
-}
-
 nb::tuple scene_outline(const BoundScene& bound, std::tuple<double, double, double> eye,
                         Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height) {
   Outline found;
-  std::vector<double> ends;
   {
     nb::gil_scoped_release release;
     found = outline(*bound.scene, make_camera(eye, axes, scale, perspective, width, height));
-    for (const Interval& stretch : found.stretches) ends.insert(ends.end(), {stretch.lo, stretch.hi});
   }
-  const std::size_t rows = found.offsets.size(), count = found.stretches.size();
-  return nb::make_tuple(owned_array(std::move(found.offsets), {rows}), owned_array(std::move(ends), {count, 2}));
+  return nb::make_tuple(owned(std::move(found.offsets)), owned_pairs(std::move(found.ends)));
 }
 
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (const Method& method : methods()) names.emplace_back(method.name);
   return names;
+}
+
+using Column = Array<double, nb::shape<-1>>;
+
+Bytes bytes_of(const nb::bytes& data) { return {static_cast<const unsigned char*>(data.data()), data.size()}; }
+
+// All columns of a table must be as long as the first.
+template <class... Arrays>
+void check_lengths(std::size_t count, const Arrays&... arrays) {
+  if (((arrays.shape(0) != count) || ...)) throw std::invalid_argument("columns of different lengths");
+}
+
+auto owned_points(std::vector<double>&& points, std::size_t count, int degree, std::size_t components) {
+  return owned(std::move(points), std::initializer_list<std::size_t>{count, std::size_t(degree + 1), components});
+}
+
+nb::tuple curve_pieces_of(int degree, Array<double, nb::shape<-1, -1>> poles, Column knots,
+                          Array<int32_t, nb::shape<-1>> multiplicities, bool periodic, double low, double high) {
+  check_lengths(knots.size(), multiplicities);
+  const KnotVector vector(degree, periodic, std::vector<double>(knots.data(), knots.data() + knots.size()),
+                          std::vector<int>(multiplicities.data(), multiplicities.data() + multiplicities.size()), low,
+                          high);
+  if (poles.shape(0) < vector.pole_count()) throw std::invalid_argument("a spline has too few poles");
+  CurvePieces pieces = curve_pieces(vector, poles.data(), poles.shape(1), low, high);
+  const std::size_t count = pieces.start.size();
+  return nb::make_tuple(owned(std::move(pieces.start)), owned(std::move(pieces.stop)),
+                        owned_points(std::move(pieces.points), count, degree, poles.shape(1)));
+}
+
+nb::list spline_pieces_of(const nb::bytes& data, int dim, Array<int64_t, nb::shape<-1>> at, Column first, Column last) {
+  check_lengths(at.size(), first, last);
+  nb::list result;
+  for (CurvePieces& part : spline_pieces(bytes_of(data), dim, at.size(), at.data(), first.data(), last.data())) {
+    const std::size_t count = part.owner.size();
+    result.append(nb::make_tuple(owned(std::move(part.owner)), owned(std::move(part.start)),
+                                 owned(std::move(part.stop)),
+                                 owned_points(std::move(part.points), count, part.degree, std::size_t(dim + 1))));
+  }
+  return result;
+}
+
+nb::list spline_patches_of(const nb::bytes& data, bool bezier, Array<int64_t, nb::shape<-1>> at,
+                           Array<double, nb::shape<-1, 4>> boxes) {
+  check_lengths(at.size(), boxes);
+  nb::list result;
+  for (SurfacePatches& part : spline_patches(bytes_of(data), bezier, at.size(), at.data(), boxes.data())) {
+    const std::size_t count = part.owner.size();
+    const std::initializer_list<std::size_t> shape{count, std::size_t(part.degree_u + 1),
+                                                   std::size_t(part.degree_v + 1), 4};
+    result.append(nb::make_tuple(owned(std::move(part.owner)),
+                                 owned(std::move(part.domain), std::initializer_list<std::size_t>{count, 4}),
+                                 owned(std::move(part.points), shape)));
+  }
+  return result;
+}
+
+nb::tuple columns(CurveScan&& scan) {
+  return nb::make_tuple(owned(std::move(scan.start)), owned(std::move(scan.kind)), owned(std::move(scan.at)));
+}
+
+nb::tuple scan_curves_of(const nb::bytes& data, std::size_t at, int dim, std::size_t count) {
+  CurveScan scan = scan_curves(bytes_of(data), dim, count, &at);
+  return nb::make_tuple(owned(std::move(scan.start)), owned(std::move(scan.kind)), owned(std::move(scan.at)), at);
+}
+
+nb::tuple scan_surfaces_of(const nb::bytes& data, std::size_t at, std::size_t count) {
+  SurfaceScan scan = scan_surfaces(bytes_of(data), count, &at);
+  return nb::make_tuple(
+      nb::make_tuple(owned(std::move(scan.start)), owned(std::move(scan.kind)), owned(std::move(scan.at))),
+      columns(std::move(scan.profiles)), owned(std::move(scan.profile)), at);
+}
+
+nb::tuple scan_shapes_of(const nb::bytes& data, std::size_t at, std::size_t count) {
+  ShapeScan s = scan_shapes(bytes_of(data), count, &at);
+  return nb::make_tuple(owned(std::move(s.kinds)),
+                        nb::make_tuple(owned(std::move(s.child_offsets)), owned(std::move(s.child_orientation)),
+                                       owned(std::move(s.child_shape)), owned(std::move(s.child_location))),
+                        nb::make_tuple(owned(std::move(s.face_surface)), owned(std::move(s.face_location)),
+                                       owned(std::move(s.face_triangulation))),
+                        nb::make_tuple(owned(std::move(s.edge_tolerance)), owned_flags(std::move(s.edge_degenerated)),
+                                       owned(std::move(s.edge_curve)), owned(std::move(s.edge_location)),
+                                       owned(std::move(s.edge_first)), owned(std::move(s.edge_last))),
+                        nb::make_tuple(owned(std::move(s.pcurve_offsets)), owned(std::move(s.pcurve_curve)),
+                                       owned(std::move(s.pcurve_second)), owned(std::move(s.pcurve_surface)),
+                                       owned(std::move(s.pcurve_location)), owned(std::move(s.pcurve_first)),
+                                       owned(std::move(s.pcurve_last))),
+                        at);
+}
+
+using Indices = Array<int64_t, nb::shape<-1>>;
+using Flags = Array<bool, nb::shape<-1>>;
+using Pairs = Array<double, nb::shape<-1, 2>>;
+using BoxRows = Array<double, nb::shape<-1, 4>>;
+
+nb::tuple order_uses_of(Indices wire, Pairs start, Pairs end, Pairs size) {
+  check_lengths(wire.size(), start, end, size);
+  UseOrder order = order_uses({wire.size(), wire.data(), start.data(), end.data(), size.data()});
+  return nb::make_tuple(owned(std::move(order.use)), owned(std::move(order.loop)), owned(std::move(order.unclear)));
+}
+
+SegmentView segment_view(Kept& kept, nb::handle segments) {
+  return {field<int64_t, nb::shape<-1>>(kept, segments, "first_point"),
+          field<int64_t, nb::shape<-1>>(kept, segments, "degree"),
+          field<double, nb::shape<-1, 3>>(kept, segments, "points")};
+}
+
+nb::tuple use_ends_of(Indices wire, Flags reversed, nb::handle segments) {
+  Kept kept;
+  check_lengths(wire.size(), reversed);
+  const auto* offsets = field<int64_t, nb::shape<-1>>(kept, segments, "offsets");
+  UseEnds ends = use_ends(wire.size(), wire.data(), reversed.data(), offsets, segment_view(kept, segments));
+  return nb::make_tuple(owned_pairs(std::move(ends.start)), owned_pairs(std::move(ends.end)),
+                        owned_pairs(std::move(ends.size)));
+}
+
+RunView run_view(Kept& kept, nb::handle runs, nb::handle segments) {
+  RunView view{};
+  view.face = field<int64_t, nb::shape<-1>>(kept, runs, "face", &view.loops);
+  view.loop_offsets = field<int64_t, nb::shape<-1>>(kept, runs, "loop_offsets");
+  view.segment = field<int64_t, nb::shape<-1>>(kept, runs, "segment");
+  view.backwards = field<bool, nb::shape<-1>>(kept, runs, "backwards");
+  view.shift = field<double, nb::shape<-1, 2>>(kept, runs, "shift");
+  view.edge = field<int64_t, nb::shape<-1>>(kept, runs, "edge");
+  view.table = segment_view(kept, segments);
+  return view;
+}
+
+auto owned_boxes(std::vector<double>&& boxes) {
+  const std::size_t count = boxes.size() / 4;
+  return owned(std::move(boxes), std::initializer_list<std::size_t>{count, 4});
+}
+
+auto bounding_boxes_of(nb::handle runs, nb::handle segments, std::size_t faces) {
+  Kept kept;
+  return owned_boxes(bounding_boxes(run_view(kept, runs, segments), faces));
+}
+
+auto corner_gaps_of(nb::handle runs, nb::handle segments, BoxRows boxes) {
+  Kept kept;
+  return owned(corner_gaps(run_view(kept, runs, segments), boxes.data()));
+}
+
+nb::tuple close_loops_of(nb::handle runs, nb::handle segments, BoxRows boxes, Flags kept_faces, Flags at_pole) {
+  Kept kept;
+  check_lengths(boxes.shape(0), kept_faces);
+  std::vector<double> moved(boxes.data(), boxes.data() + boxes.size());
+  LoopTable loops = close_loops(run_view(kept, runs, segments), kept_faces.data(), at_pole.data(), moved.data());
+  const std::size_t count = loops.points.size() / 3;
+  return nb::make_tuple(owned(std::move(loops.face)), owned(std::move(loops.loop_offsets)),
+                        owned(std::move(loops.segment_offsets)),
+                        owned(std::move(loops.points), std::initializer_list<std::size_t>{count, 3}),
+                        owned(std::move(loops.edge)), owned_boxes(std::move(moved)));
+}
+
+nb::object rectangles_of(nb::handle loops, BoxRows boxes) {
+  Kept kept;
+  LoopView view{};
+  view.face = field<int64_t, nb::shape<-1>>(kept, loops, "face", &view.loops);
+  view.loop_offsets = field<int64_t, nb::shape<-1>>(kept, loops, "loop_offsets");
+  view.segment_offsets = field<int64_t, nb::shape<-1>>(kept, loops, "segment_offsets");
+  view.points = field<double, nb::shape<-1, 3>>(kept, loops, "points");
+  return owned_flags(rectangles(view, boxes.data(), boxes.shape(0)));
 }
 
 }  // namespace
@@ -182,5 +401,36 @@ NB_MODULE(_native, module) {
       .def("outline", &scene_outline, nb::arg("eye"), nb::arg("axes"), nb::arg("scale"), nb::arg("perspective"),
            nb::arg("width"), nb::arg("height"),
            "Covered stretches of each pixel row, in pixels: offsets (height + 1,), ends (k, 2).");
+  module.def("frame_buffer", &frame_buffer, nb::arg("bytes"),
+             "Uninitialised uint8 array of shape (bytes,) in memory that is used again for later frames.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
+  module.def("surface_points", &surface_points_of, nb::arg("model"),
+             "Samples (N, 3) of the drawn surface, by definition, and where each definition's begin (D + 1,).");
+  module.def("support", &support_of, nb::arg("model"), nb::arg("directions"),
+             "How far the placed faces reach in world directions (n, 3): (n,).");
+  module.def("curve_pieces", &curve_pieces_of, nb::arg("degree"), nb::arg("poles"), nb::arg("knots"),
+             nb::arg("multiplicities"), nb::arg("periodic"), nb::arg("low"), nb::arg("high"),
+             "Bezier pieces of a B-spline curve with poles (n, c): start, stop (m,), points (m, p + 1, c).");
+  module.def("spline_pieces", &spline_pieces_of, nb::arg("data"), nb::arg("dim"), nb::arg("at"), nb::arg("first"),
+             nb::arg("last"), "A stream's B-spline curves in pieces: the columns of CurvePieces for each degree.");
+  module.def("spline_patches", &spline_patches_of, nb::arg("data"), nb::arg("bezier"), nb::arg("at"), nb::arg("boxes"),
+             "A stream's B-spline or Bezier surfaces: the columns of SurfacePatches for each bidegree.");
+  module.def("scan_curves", &scan_curves_of, nb::arg("data"), nb::arg("at"), nb::arg("dim"), nb::arg("count"),
+             "The columns of CurveScan, and the byte behind the records.");
+  module.def("scan_surfaces", &scan_surfaces_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),
+             "The columns of SurfaceScan: surfaces, profiles, profile of each; and the byte behind the records.");
+  module.def("scan_shapes", &scan_shapes_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),
+             "The columns of ShapeScan: kinds, children, faces, edges, pcurves; and the byte behind the records.");
+  module.def("use_ends", &use_ends_of, nb::arg("wire"), nb::arg("reversed"), nb::arg("segments"),
+             "Start, end of edge uses in (u, v), extent of their wires, each (U, 2).");
+  module.def("order_uses", &order_uses_of, nb::arg("wire"), nb::arg("start"), nb::arg("end"), nb::arg("size"),
+             "Edge uses in the order of their loops: use, loop, unclear wires.");
+  module.def("bounding_boxes", &bounding_boxes_of, nb::arg("runs"), nb::arg("segments"), nb::arg("faces"),
+             "u0, u1, v0, v1 (faces, 4) of loops.");
+  module.def("corner_gaps", &corner_gaps_of, nb::arg("runs"), nb::arg("segments"), nb::arg("boxes"),
+             "The entries of runs behind which there may be a corner.");
+  module.def("close_loops", &close_loops_of, nb::arg("runs"), nb::arg("segments"), nb::arg("boxes"), nb::arg("kept"),
+             nb::arg("at_pole"), "The columns of LoopTable, and the boxes brought up to date.");
+  module.def("rectangles", &rectangles_of, nb::arg("loops"), nb::arg("boxes"),
+             "Whether each face's loops are its box (faces,).");
 }

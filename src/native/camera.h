@@ -10,8 +10,9 @@ struct Camera {
   bool perspective;
   int width, height;
 
-  // Homogeneous screen point (X, Y, W, Z) of the homogeneous world point (wx, wy, wz, w). Orthographic: W = w and
-  // depth = Z / W. Perspective: W = depth * w, Z = w and depth = W / Z; in front of the eye W > 0.
+  // Homogeneous screen point (X, Y, W, Z) of the homogeneous world point (wx, wy, wz, w): x = X / W and y = Y / W in
+  // pixels, key = Z / W. The key grows with depth and is linear in x and y on every plane: orthographic, it is the
+  // depth; perspective, -1 / depth. In front of the eye W > 0.
   // The eye is subtracted before anything is scaled, so a model far from the origin loses no digits here.
   void project(const double world[4], double screen[4]) const {
     const double w = world[3];
@@ -21,18 +22,19 @@ struct Camera {
     screen[0] = 0.5 * width * weight + scale * x;
     screen[1] = 0.5 * height * weight - scale * y;
     screen[2] = weight;
-    screen[3] = perspective ? w : z;
+    screen[3] = perspective ? -w : z;
   }
   // Homogeneous eye-space point (right, up, forward, w) of a screen point or of its derivative.
   void unproject(const double screen[4], double eye_space[4]) const {
     eye_space[0] = (screen[0] - 0.5 * width * screen[2]) / scale;
     eye_space[1] = (0.5 * height * screen[2] - screen[1]) / scale;
     eye_space[2] = perspective ? screen[2] : screen[3];
-    eye_space[3] = perspective ? screen[3] : screen[2];
+    eye_space[3] = perspective ? -screen[3] : screen[2];
   }
   // Pixels per model unit at a depth.
   double pixels_at(double depth) const { return perspective ? scale / depth : scale; }
-  double depth(const double screen[4]) const { return perspective ? screen[2] / screen[3] : screen[3] / screen[2]; }
+  double depth(double key) const { return perspective ? -1.0 / key : key; }
+  double depth(const double screen[4]) const { return depth(screen[3] / screen[2]); }
 
   static double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 };

@@ -1,14 +1,23 @@
 #include "scene.h"
 
+#include <thread>
 #include <utility>
 
+#include "parallel.h"
+
 namespace nofacet {
+namespace {
+
+constexpr std::size_t kFewDefinitions = 64;  // are prepared before a second thread has started
+
+}  // namespace
 
 Scene::Scene(Model m) : model(std::move(m)) {
   regions.resize(model.definition_count);
-  for (std::size_t d = 0; d < model.definition_count; ++d) {
+  const int threads = model.definition_count < kFewDefinitions ? 1 : int(std::thread::hardware_concurrency());
+  parallel_for(model.definition_count, threads, [&](std::size_t d, int) {
     if (model.trimmed[d]) regions[d] = std::make_unique<Region>(model, d);
-  }
+  });
   patch_offsets.assign(model.definition_count + 1, 0);
   for (const PatchGroup& group : model.groups) {
     for (std::size_t k = 0; k < group.count; ++k) ++patch_offsets[group.definition[k] + 1];

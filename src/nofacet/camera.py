@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
-from .extent import surface_points
+from .extent import support
 
 if TYPE_CHECKING:
     from .model import Model
@@ -204,13 +203,10 @@ class Camera:
         up = next(
             u for u in (up, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)) if not _parallel(forward, np.array(u))
         )
-        points = surface_points(model)
-        if not len(points):
-            raise InputError(f"{model.source}: there is no surface to show; check that the file holds faces")
         aspect = resolution[0] / resolution[1]
         if projection == "orthographic":
-            return _fit_orthographic(points, forward, up, aspect, zoom)
-        return _fit_perspective(points, forward, up, aspect, _number("view_angle", view_angle), zoom)
+            return _fit_orthographic(model, forward, up, aspect, zoom)
+        return _fit_perspective(model, forward, up, aspect, _number("view_angle", view_angle), zoom)
 
     def extent_at_unit_depth(self) -> float:
         """Height of the picture in the world: anywhere (orthographic), or at depth 1 (perspective)."""
@@ -221,12 +217,10 @@ class Camera:
         return 2 * float(np.tan(np.radians(self.view_angle) / 2))
 
 
-def _fit_orthographic(
-    points: NDArray[np.float64], forward: NDArray[np.float64], up: Vector, aspect: float, zoom: float
-) -> Camera:
+def _fit_orthographic(model: Model, forward: NDArray[np.float64], up: Vector, aspect: float, zoom: float) -> Camera:
     right, true_up, _ = Camera("orthographic", (0.0, 0.0, 0.0), _tuple(forward), up, view_height=1.0).axes()
     basis = np.stack([right, true_up, forward])
-    middle, size = _box(points @ basis.T)
+    middle, size = _box(support(model, [*basis, *-basis]))
     focal_point = middle @ basis
     radius = float(np.linalg.norm(size)) / 2 or 1.0
     height = max(size[1], size[0] / aspect) or 2 * radius  # a single point or line of sight still makes a picture
@@ -234,24 +228,24 @@ def _fit_orthographic(
 
 
 def _fit_perspective(
-    points: NDArray[np.float64], forward: NDArray[np.float64], up: Vector, aspect: float, view_angle: float, zoom: float
+    model: Model, forward: NDArray[np.float64], up: Vector, aspect: float, view_angle: float, zoom: float
 ) -> Camera:
     half = float(np.tan(np.radians(view_angle) / 2))
     camera = Camera("perspective", (0.0, 0.0, 0.0), _tuple(forward), up, view_angle=view_angle)
     basis = np.stack(camera.axes())
-    eye_points = points @ basis.T
-    middle, size = _box(eye_points)
-    radius = float(np.linalg.norm(size)) / 2 or 1.0
-    eye_points -= middle
-    x, y, z = eye_points.T
+    slopes = [half * aspect * min(zoom, 1.0), half * min(zoom, 1.0)]
     # The four sides of the view's pyramid each touch the model: |x - eye_x| <= slope * (z - eye_z) for all points.
-    eye = np.zeros(3)
+    sides = [sign * basis[axis] - slope * basis[2] for axis, slope in enumerate(slopes) for sign in (1, -1)]
+    reach = support(model, [*basis, *-basis, *sides])
+    middle, size = _box(reach[:6])
+    radius = float(np.linalg.norm(size)) / 2 or 1.0
+    eye = np.zeros(3)  # in the basis, from the middle
     depth_limits = []
-    for axis, (side, slope) in enumerate(((x, half * aspect * min(zoom, 1.0)), (y, half * min(zoom, 1.0)))):
-        high, low = (side - slope * z).max(), (-side - slope * z).max()
+    for axis, slope in enumerate(slopes):
+        high, low = reach[6 + 2 * axis : 8 + 2 * axis] - (middle[axis], -middle[axis]) + slope * middle[2]
         eye[axis] = (high - low) / 2
         depth_limits.append(-(high + low) / (2 * slope))
-    eye[2] = min(*depth_limits, z.min() - 1e-3 * radius)  # in front of the model even if it is flat
+    eye[2] = min(*depth_limits, -size[2] / 2 - 1e-3 * radius)  # in front of the model even if it is flat
     focal_point = np.array([eye[0], eye[1], 0.0])
     if zoom > 1:
         view_angle = float(np.degrees(2 * np.arctan(half / zoom)))
@@ -260,10 +254,9 @@ def _fit_perspective(
     )
 
 
-def _box(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Middle and size (3,), (3,) of the smallest box around points (n, 3)."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    return (low + high) / 2, high - low
+def _box(reach: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Middle and size (3,), (3,) of a box, from how far it reaches along three directions and their opposites (6,)."""
+    return (reach[:3] - reach[3:]) / 2, reach[:3] + reach[3:]
 
 
 def _parallel(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:

@@ -60,7 +60,9 @@ def render(
     arrays = {}
     for name in wanted:
         dtype, channels, _ = BUFFERS[name]
-        arrays[name] = np.empty((height, width) if channels == 1 else (height, width, channels), dtype)
+        shape = (height, width) if channels == 1 else (height, width, channels)
+        memory = _native.frame_buffer(height * width * channels * np.dtype(dtype).itemsize)
+        arrays[name] = memory.view(dtype).reshape(shape)
     if model not in _scenes:
         _scenes[model] = _native.Scene(model)
     stats = _scenes[model].render(

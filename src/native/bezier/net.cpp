@@ -100,14 +100,6 @@ void casteljau(const double* in, double* left, double* right, int n, int count, 
 
 }  // namespace
 
-void split_a(const Net& net, double* left, double* right) {
-  casteljau(net.points, left, right, net.n, net.m + 1, 1, net.m + 1, 0.5);
-}
-
-void split_b(const Net& net, double* left, double* right) {
-  casteljau(net.points, left, right, net.m, net.n + 1, net.m + 1, 1, 0.5);
-}
-
 void restrict_net(const Net& net, double a0, double a1, double b0, double b1, double* out) {
   const int row = net.m + 1;
   if (out != net.points) std::memcpy(out, net.points, net.size() * sizeof(double));
@@ -132,70 +124,38 @@ Interval hull_range(const Net& net, Component numerator, Component denominator) 
 
 namespace {
 
-struct Differences {
-  Interval a{}, b{}, aa{}, ab{}, bb{};
-};
-
-// Ranges of the control points of the derivatives of (component c - centre * component w).
-Differences differences(const Net& net, int c, int w, double centre) {
-  const int n = net.n, m = net.m;
-  double value[(kMaxDegree + 1) * (kMaxDegree + 1)];
-  const int size = (n + 1) * (m + 1), row = m + 1;
-  for (int k = 0; k < size; ++k) value[k] = net.points[4 * k + c] - centre * net.points[4 * k + w];
-  Interval a = Interval::empty(), b = a, aa = a, ab = a, bb = a;
-  for (int i = 0; i <= n; ++i) {
-    const double* v = value + i * row;
-    for (int j = 0; j <= m; ++j) {
-      if (i < n) a.include(v[j + row] - v[j]);
-      if (j < m) b.include(v[j + 1] - v[j]);
-      if (i + 1 < n) aa.include(v[j + 2 * row] - 2 * v[j + row] + v[j]);
-      if (j + 1 < m) bb.include(v[j + 2] - 2 * v[j + 1] + v[j]);
-      if (i < n && j < m) ab.include((v[j + row + 1] - v[j + row]) - (v[j + 1] - v[j]));
-    }
-  }
-  Differences d;
-  if (n > 0) d.a = a * n;
-  if (m > 0) d.b = b * m;
-  if (n > 1) d.aa = aa * (n * (n - 1));
-  if (m > 1) d.bb = bb * (m * (m - 1));
-  if (n > 0 && m > 0) d.ab = ab * (n * m);
-  return d;
-}
-
-QuotientBounds quotient(Interval f, double centre, const Differences& num, Interval w, const Differences& den) {
+QuotientBounds quotient(const DifferenceRanges& d, int c, Interval f) {
   // f - centre = N / D with N = numerator - centre * D; differentiate N = (f - centre) D.
-  const Interval g = f - centre;
+  const Interval g = f - f.mid(), w = d.value[kW];
   QuotientBounds q;
   q.f = f;
-  q.fa = (num.a - g * den.a) / w;
-  q.fb = (num.b - g * den.b) / w;
-  q.faa = (num.aa - q.fa * den.a * 2.0 - g * den.aa) / w;
-  q.fbb = (num.bb - q.fb * den.b * 2.0 - g * den.bb) / w;
-  q.fab = (num.ab - q.fa * den.b - q.fb * den.a - g * den.ab) / w;
+  if (w.lo == 1.0 && w.hi == 1.0) {
+    q.fa = d.a[c], q.fb = d.b[c], q.faa = d.aa[c], q.fab = d.ab[c], q.fbb = d.bb[c];
+    return q;
+  }
+  q.fa = (d.a[c] - g * d.a[kW]) / w;
+  q.fb = (d.b[c] - g * d.b[kW]) / w;
+  q.faa = (d.aa[c] - q.fa * d.a[kW] * 2.0 - g * d.aa[kW]) / w;
+  q.fbb = (d.bb[c] - q.fb * d.b[kW] * 2.0 - g * d.bb[kW]) / w;
+  q.fab = (d.ab[c] - q.fa * d.b[kW] - q.fb * d.a[kW] - g * d.ab[kW]) / w;
   return q;
-}
-
-Interval component_range(const Net& net, int c) {
-  Interval range = Interval::empty();
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) range.include(p[c]);
-  return range;
 }
 
 }  // namespace
 
 NetBounds::NetBounds(const Net& net) {
-  const Interval w = component_range(net, kW);
-  const Differences den = w.lo == w.hi ? Differences{} : differences(net, kW, kW, 0.0);
-  const Interval xr = hull_range(net, kX, kW), yr = hull_range(net, kY, kW);
-  x = quotient(xr, xr.mid(), differences(net, kX, kW, xr.mid()), w, den);
-  y = quotient(yr, yr.mid(), differences(net, kY, kW, yr.mid()), w, den);
-}
-
-QuotientBounds quotient_bounds(const Net& net, Component numerator, Component denominator) {
-  const Interval w = component_range(net, denominator);
-  const Differences den = w.lo == w.hi ? Differences{} : differences(net, denominator, denominator, 0.0);
-  const Interval f = hull_range(net, numerator, denominator);
-  return quotient(f, f.mid(), differences(net, numerator, denominator, f.mid()), w, den);
+  const ComponentRanges range = ratio_ranges(net);
+  // Relative to the middle of the range, where the quotient rule's terms are smallest.
+  double shifted[4 * (kMaxDegree + 1) * (kMaxDegree + 1)];
+  for (std::size_t k = 0; k < net.size(); k += 4) {
+    const double* p = net.points + k;
+    for (const int c : {kX, kY, kZ}) shifted[k + c] = p[c] - range[c].mid() * p[kW];
+    shifted[k + kW] = p[kW];
+  }
+  const DifferenceRanges differences = difference_ranges({net.n, net.m, shifted});
+  x = quotient(differences, kX, range[kX]);
+  y = quotient(differences, kY, range[kY]);
+  key = quotient(differences, kZ, range[kZ]);
 }
 
 }  // namespace nofacet

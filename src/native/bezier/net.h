@@ -27,9 +27,9 @@ Jet evaluate(const Net& net, double a, double b);
 // The mixed second derivative of the homogeneous point by a and b.
 void evaluate_mixed(const Net& net, double a, double b, double mixed[4]);
 
-// Halves of the net along a or b (de Casteljau at 1/2); the shared border is bitwise the same in both.
-void split_a(const Net& net, double* left, double* right);
-void split_b(const Net& net, double* left, double* right);
+// Halves of a net of (n + 1) x (m + 1) points, each of `components` values, along a or b (de Casteljau at 1/2); the
+// shared border is bitwise the same in both.
+void halve(const double* in, int n, int m, int components, bool along_a, double* left, double* right);
 // The part of the net over [a0, a1] x [b0, b1].
 void restrict_net(const Net& net, double a0, double a1, double b0, double b1, double* out);
 void transpose(const Net& net, double* out);
@@ -41,14 +41,27 @@ struct QuotientBounds {
 // With a and b exchanged.
 inline QuotientBounds transposed_bounds(const QuotientBounds& q) { return {q.f, q.fb, q.fa, q.fbb, q.fab, q.faa}; }
 
-// Bounds over the net of x = X/W, y = Y/W; needs all W > 0. All follow from the convex hull property of the control
-// points and of their first and second differences.
+// Ranges of X, Y, W and Z over the control points of a form.
+struct ComponentRanges {
+  double lo[4] = {0, 0, 0, 0}, hi[4] = {0, 0, 0, 0};
+
+  Interval operator[](int c) const { return {lo[c], hi[c]}; }
+};
+// Of a net and of the control points of its first and second derivatives.
+struct DifferenceRanges {
+  ComponentRanges value, a, b, aa, ab, bb;
+};
+
+// Ranges of the control points' X / W, Y / W and Z / W; needs all W > 0.
+ComponentRanges ratio_ranges(const Net& net);
+DifferenceRanges difference_ranges(const Net& net);
+
+// Bounds over the net of x = X/W, y = Y/W and key = Z/W; needs all W > 0. All follow from the convex hull property of
+// the control points and of their first and second differences.
 struct NetBounds {
-  QuotientBounds x, y;
+  QuotientBounds x, y, key;
   explicit NetBounds(const Net& net);
 };
-// The same for any two components (used for depth along a cut).
-QuotientBounds quotient_bounds(const Net& net, Component numerator, Component denominator);
 // Convex hull bound of numerator / denominator; the denominator must be positive at every control point.
 Interval hull_range(const Net& net, Component numerator, Component denominator);
 

@@ -7,88 +7,32 @@
 // is certified (raster/piece.h), not until it is flat; so spans carry exact points instead of linear interpolation.
 // Limits: raster/visibility.h (double crossings inside half a pixel), kNegligiblePixels (raster/piece.h).
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <deque>
+#include <numeric>
 
 #include "methods.h"
 #include "parallel.h"
+#include "raster/band.h"
 #include "raster/edge_lines.h"
-#include "raster/piece.h"
-#include "raster/row.h"
+#include "raster/frame_patches.h"
+#include "stopwatch.h"
 
 namespace nofacet {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+constexpr int kBandRows = 32;              // rows handed to a thread at a time
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-constexpr int kBandRows = 8;              // rows handed to a thread at a time
-constexpr std::size_t kTaskPatches = 16;  // patches handed to a thread at a time
-
-// Projects and subdivides every patch; the pieces come out in the order of faces and patches, whatever the threads.
-class Subdivision {
- public:
-  Subdivision(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads) {
-    struct Task {
-      int32_t face;
-      std::size_t first, last;
-    };
-    std::vector<Task> tasks;
-    for (std::size_t face = 0; face < scene.model.face_count; ++face) {
-      const int32_t d = scene.model.face_definition[face];
-      for (std::size_t k = scene.patch_offsets[d]; k < scene.patch_offsets[d + 1]; k += kTaskPatches) {
-        tasks.push_back({int32_t(face), k, std::min(k + kTaskPatches, scene.patch_offsets[d + 1])});
-      }
-    }
-    builders_.reserve(threads);
-    for (int k = 0; k < threads; ++k) builders_.emplace_back(scene, camera, planes);
-    std::vector<std::vector<Piece>> found(tasks.size());
-    std::vector<uint8_t> incomplete(tasks.size());
-    parallel_for(tasks.size(), threads, [&](std::size_t task, int thread) {
-      const int64_t before = builders_[thread].unresolved();
-      for (std::size_t k = tasks[task].first; k < tasks[task].last; ++k) {
-        builders_[thread].add_patch(tasks[task].face, scene.patches[k], found[task]);
-      }
-      incomplete[task] = builders_[thread].unresolved() != before;
-    });
-    std::size_t count = 0;
-    for (const auto& list : found) count += list.size();
-    pieces.reserve(count);
-    for (std::size_t k = 0; k < tasks.size(); ++k) {
-      pieces.insert(pieces.end(), found[k].begin(), found[k].end());
-      if (incomplete[k]) unresolved_faces.push_back(tasks[k].face);
-    }
-    for (const PieceBuilder& builder : builders_) unresolved += builder.unresolved();
-  }
-
-  std::vector<Piece> pieces;
-  int64_t unresolved = 0;
-  std::vector<int32_t> unresolved_faces;
-
- private:
-  std::vector<PieceBuilder> builders_;  // own the pieces' control points
-};
-
-// For each band of rows the pieces whose y range meets it.
-std::vector<std::vector<const Piece*>> sort_into_bands(const std::vector<Piece>& pieces, int rows) {
+// For each band of rows the patches whose y range meets it.
+std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, int rows) {
   const int bands = (rows + kBandRows - 1) / kBandRows;
-  std::vector<std::vector<const Piece*>> result(bands);
-  for (const Piece& piece : pieces) {
-    const int first =
-        std::clamp(int(std::floor(std::clamp(piece.y.lo, -1.0, rows + 1.0)) - 1) / kBandRows, 0, bands - 1);
-    const int last =
-        std::clamp(int(std::floor(std::clamp(piece.y.hi, -1.0, rows + 1.0)) + 1) / kBandRows, 0, bands - 1);
-    for (int band = first; band <= last; ++band) result[band].push_back(&piece);
+  std::vector<std::vector<int32_t>> result(bands);
+  const auto band_of = [&](double y) { return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / kBandRows, 0, bands - 1); };
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    const int last = band_of(patches[k].y.hi + 1.0);
+    for (int band = band_of(patches[k].y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
   }
   return result;
-}
-
-// Depths this close are the same surface: far above rounding, far below anything visible.
-double tie_tolerance(const std::vector<Piece>& pieces) {
-  Interval depth = Interval::empty();
-  for (const Piece& piece : pieces) depth.include(piece.depth.lo), depth.include(piece.depth.hi);
-  return pieces.empty() ? 0.0 : 1e-11 * depth.magnitude() + 1e-10 * depth.width();
 }
 
 }  // namespace
@@ -96,31 +40,34 @@ double tie_tolerance(const std::vector<Piece>& pieces) {
 RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                         const Frame& frame) {
   RenderStats stats;
-  auto start = Clock::now();
+  Stopwatch watch;
   const bool area = frame.color || frame.coverage;
   const ScanPlanes planes(frame.height, area ? options.samples : 0, frame.needs_values() || frame.color);
-  const Subdivision subdivision(scene, camera, planes, options.threads);
-  const auto bands = sort_into_bands(subdivision.pieces, frame.height);
-  const double tie = tie_tolerance(subdivision.pieces);
-  stats.pieces = int64_t(subdivision.pieces.size());
-  stats.unresolved = subdivision.unresolved;
-  stats.unresolved_faces = subdivision.unresolved_faces;
-  stats.subdivide_seconds = seconds_since(start);
+  FramePatches patches(scene, camera, planes, options.threads);
+  const auto bands = sort_into_bands(patches.patches(), frame.height);
+  watch.lap(stats.project_seconds);
 
-  start = Clock::now();
-  std::vector<RowPainter> painters;
-  painters.reserve(options.threads);
-  for (int k = 0; k < options.threads; ++k) painters.emplace_back(scene, camera, planes, tie, frame);
+  std::deque<BandPainter> painters;
+  for (int k = 0; k < options.threads; ++k) painters.emplace_back(scene, camera, planes, patches, k, frame);
   parallel_for(bands.size(), options.threads, [&](std::size_t band, int thread) {
-    const int end = std::min(frame.height, int(band + 1) * kBandRows);
-    for (int row = int(band) * kBandRows; row < end; ++row) painters[thread].paint(row, bands[band]);
+    const int first = int(band) * kBandRows;
+    painters[thread].paint(first, std::min(frame.height, first + kBandRows), bands[band]);
   });
-  stats.scan_seconds = seconds_since(start);
+  stats.pieces = patches.piece_count();
+  stats.unresolved = patches.unresolved();
+  stats.unresolved_faces = patches.unresolved_faces();
+  for (const BandPainter& painter : painters) {
+    stats.subdivide_seconds += painter.times().subdivide;
+    stats.span_seconds += painter.times().spans;
+    stats.visibility_seconds += painter.times().visibility;
+    stats.shade_seconds += painter.times().shade;
+    stats.average_seconds += painter.times().average;
+  }
 
   if (options.edges && frame.color && frame.depth) {
-    start = Clock::now();
+    watch.restart();
     draw_edge_lines(scene, camera, options.threads, frame);
-    stats.edge_seconds = seconds_since(start);
+    watch.lap(stats.edge_seconds);
   }
   return stats;
 }

@@ -102,4 +102,52 @@ Certificate certify_cut(const Net& net, const NetBounds& bounds) {
   return certificate;
 }
 
+namespace {
+
+Interval range_of(const Grid& grid) {
+  Interval range = Interval::empty();
+  for (std::size_t k = 0; k < grid.size(); ++k) range.include(grid.coefficients[k]);
+  return range;
+}
+
+// How much the form changes along a, and along b.
+double variation(const Grid& grid, bool along_a) {
+  const int row = grid.m + 1, stride = along_a ? row : 1;
+  double largest = 0.0;
+  for (int i = 0; i <= (along_a ? grid.n - 1 : grid.n); ++i) {
+    for (int j = 0; j <= (along_a ? grid.m : grid.m - 1); ++j) {
+      const double* c = grid.coefficients + i * row + j;
+      largest = std::max(largest, std::fabs(c[stride] - c[0]));
+    }
+  }
+  return largest * (along_a ? grid.n : grid.m);
+}
+
+}  // namespace
+
+Certificate certify_cut(const NetBounds& bounds, const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
+  const QuotientBounds turned = transposed_bounds(bounds.y);
+  const bool straight = grows_with_b(bounds.y), across = grows_with_b(turned);
+  if (!straight && !across) return {};
+  Certificate certificate;
+  // The flatter graph, if both are.
+  const auto slope = [](const QuotientBounds& y) { return y.fa.magnitude() / y.fb.mignitude(); };
+  certificate.transposed = straight && across ? slope(turned) < slope(bounds.y) : across;
+  // J is at most W^3 steepness times dx/da along a cut. What it reaches to the other side of zero, if only by rounding
+  // on a border that is a silhouette, moves x back by no more than is negligible.
+  const Interval j = range_of(jacobian);
+  const double steepness = (certificate.transposed ? turned : bounds.y).fb.mignitude();
+  const double pixel = steepness * scales.weight * scales.weight * scales.weight;
+  if (j.magnitude() < kSliverPixels * pixel) {
+    certificate.kind = CutKind::sliver;
+  } else if (j.lo > -kNegligiblePixels * pixel || j.hi < kNegligiblePixels * pixel) {
+    certificate.kind = CutKind::regular;
+  } else if (turn.coefficients && clearly_one_signed(range_of(turn), scales.turn_terms)) {
+    certificate.kind = CutKind::fold;
+  } else {
+    certificate.halve = variation(jacobian, true) >= variation(jacobian, false) ? Halve::a : Halve::b;
+  }
+  return certificate;
+}
+
 }  // namespace nofacet

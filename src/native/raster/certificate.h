@@ -1,5 +1,6 @@
 // Proofs, by interval bounds over a whole piece, of how scan planes cut it.
 #pragma once
+#include "bezier/jacobian.h"
 #include "bezier/net.h"
 
 namespace nofacet {
@@ -8,6 +9,10 @@ namespace nofacet {
 // without asking which way x moves in between, which moves no point of it by more than this. Likewise a trim curve that
 // is level to within this. Real files are full of walls that are edge-on up to the digits the file was written with.
 inline constexpr double kSliverPixels = 1e-6;
+
+// A length on the screen, in pixels, below which nothing is told apart: what remains uncertified at this size is
+// drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
+inline constexpr double kNegligiblePixels = 1e-9;
 
 // What is proved of the cut y = const of a piece, for every y: it is a graph over one parameter (y depends on the other
 // one strictly), and along it the screen x
@@ -27,6 +32,15 @@ struct Certificate {
   Halve halve = Halve::either;
 };
 
+// By interval bounds alone.
 Certificate certify_cut(const Net& net, const NetBounds& bounds);
+
+// What is known of a patch whose forms are carried along: the size of the terms that the turn is made of, by which
+// rounding errors are measured, and the least weight.
+struct CarriedForms {
+  double turn_terms = 0.0, weight = 1.0;
+};
+// With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter.
+Certificate certify_cut(const NetBounds& bounds, const Grid& jacobian, const Grid& turn, const CarriedForms& scales);
 
 }  // namespace nofacet

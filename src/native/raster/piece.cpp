@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "bezier/turning.h"
+
 namespace nofacet {
 namespace {
 
@@ -59,22 +61,45 @@ double space_length(const Net& net, bool a) {
   return longest;
 }
 
+// Appends the parameters at which the border of control points first, first + stride, ... turns in the screen's y.
+void append_turns(const double* first, int degree, std::size_t stride, std::vector<double>& out) {
+  // Control points whose y runs one way are those of a curve whose y does (variation diminishing property).
+  bool rises = true, falls = true;
+  double before = first[kY] / first[kW];
+  for (int k = 1; k <= degree; ++k) {
+    const double* p = first + k * stride;
+    const double y = p[kY] / p[kW];
+    rises &= y >= before;
+    falls &= y <= before;
+    before = y;
+  }
+  if (rises || falls) return;
+  double polynomial[kMaxPolynomial + 1], roots[kMaxPolynomial + 1];
+  const int n = turning_polynomial(first, stride, kY, kW, degree, polynomial);
+  for (int k = bernstein_roots(polynomial, n, roots); k-- > 0;) {
+    if (roots[k] > 0.0 && roots[k] < 1.0) out.push_back(roots[k]);
+  }
+}
+
+// Weights that are all the same become 1: the renderer has shorter ways for polynomial patches.
+void normalize_weights(std::vector<double>& points) {
+  const double w = points[kW];
+  for (std::size_t k = 0; k < points.size(); k += 4) {
+    if (points[k + kW] != w) return;
+  }
+  if (w == 1.0 || !(w > 0.0)) return;
+  for (double& p : points) p /= w;
+}
+
 }  // namespace
 
-void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out) {
-  const Model& model = scene_.model;
+Net project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
+                  std::vector<double>& points) {
+  const Model& model = scene.model;
   const PatchGroup& group = model.groups[patch.group];
-  const int32_t definition = model.face_definition[face];
   const double* placement = model.placements + 16 * std::size_t(model.face_placement[face]);
-  face_ = face;
-  patch_ = &patch;
-  region_ = scene_.regions[definition].get();
-  out_ = &out;
-  nodes_ = 0;
-
-  std::vector<double> projected;
   Net net{group.degree_u, group.degree_v, nullptr};
-  projected.resize(net.size());
+  points.resize(net.size());
   const double* source = group.control_points + net.size() * patch.index;
   for (std::size_t k = 0; k < net.size(); k += 4) {
     double world[4];
@@ -82,38 +107,78 @@ void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::ve
       world[r] = Camera::dot(placement + 4 * r, source + k) + placement[4 * r + 3] * source[k + 3];
     }
     world[3] = source[k + 3];
-    camera_.project(world, projected.data() + k);
+    camera.project(world, points.data() + k);
   }
-  net.points = projected.data();
+  normalize_weights(points);
+  net.points = points.data();
+  return net;
+}
 
-  const Box whole{0.0, 1.0, 0.0, 1.0};
+bool is_off_screen(const Net& net, const Camera& camera) {
+  bool behind = true, left = true, right = true, above = true, below = true;
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
+    behind &= p[kW] <= 0;
+    left &= p[kX] < 0;
+    right &= p[kX] > camera.width * p[kW];
+    above &= p[kY] < 0;
+    below &= p[kY] > camera.height * p[kW];
+  }
+  return behind || left || right || above || below;
+}
+
+void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out) {
+  face_ = face;
+  patch_ = &patch;
+  region_ = scene_.regions[scene_.model.face_definition[face]].get();
+  out_ = &out;
+  nodes_ = 0;
+
+  const Net net = project_patch(scene_, camera_, face, patch, projected_);
+  Node root{net, {}, {}, {0.0, 1.0, 0.0, 1.0}};
+  carry_forms(root);
   if (!region_) {
-    subdivide(net, whole, nullptr, 0);
+    subdivide(root, nullptr, 0);
     return;
   }
   Arcs arcs;
   arcs.reserve(region_->arcs().size());
   for (const TrimArc& arc : region_->arcs()) arcs.push_back(&arc);
   if (arc_stack_.size() < kMaxDepth + 2) arc_stack_.resize(kMaxDepth + 2);
-  subdivide(net, whole, &arcs, 0);
+  subdivide(root, &arcs, 0);
 }
 
-// True if no point of the piece can be in front of the eye and inside the image: every control point lies beyond one
-// of the frustum's planes, in homogeneous form, so it holds for pieces that cross the eye plane too.
-bool PieceBuilder::behind_or_outside(const Net& net) const {
-  bool behind = true, left = true, right = true, above = true, below = true;
+// The forms of the whole patch, if they are small and it needs them: subdivision then halves them with the net.
+void PieceBuilder::carry_forms(Node& root) {
+  const Net& net = root.net;
+  if (net.n > kMaxJacobianDegree || net.m > kMaxJacobianDegree) return;
+  bool rational = false;
+  scales_.weight = INFINITY;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
-    behind &= p[kW] <= 0;
-    left &= p[kX] < 0;
-    right &= p[kX] > camera_.width * p[kW];
-    above &= p[kY] < 0;
-    below &= p[kY] > camera_.height * p[kW];
+    scales_.weight = std::min(scales_.weight, p[kW]);
+    rational |= p[kW] != 1.0;
   }
-  return behind || left || right || above || below;
+  if (!(scales_.weight > 0)) return;
+  const JacobianDegrees degrees(net.n, net.m, rational);
+  root.jacobian = {degrees.j_n, degrees.j_m, nullptr};
+  root.turn = {degrees.turn_n, degrees.turn_m, nullptr};
+  forms_.resize(root.jacobian.size() + root.turn.size());
+  root.jacobian.coefficients = forms_.data();
+  jacobian_form(net, rational, root.jacobian);
+  const auto [lo, hi] = std::minmax_element(forms_.data(), forms_.data() + root.jacobian.size());
+  if (*lo > 0 || *hi < 0) return;  // no folds
+  root.turn.coefficients = forms_.data() + root.jacobian.size();
+  scales_.turn_terms = turn_form(net, rational, root.jacobian, root.turn);
 }
 
-void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth) {
-  if (behind_or_outside(net)) return;
+Certificate PieceBuilder::certify(const Node& node, const NetBounds& bounds) const {
+  if (!node.jacobian.coefficients) return certify_cut(node.net, bounds);
+  return certify_cut(bounds, node.jacobian, node.turn, scales_);
+}
+
+void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
+  const Net& net = node.net;
+  const Box& box = node.box;
+  if (is_off_screen(net, camera_)) return;
   if (++nodes_ > kMaxNodes) {
     ++unresolved_;
     return;
@@ -142,7 +207,7 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) weight.include(p[kW]);
   if (camera_.perspective && weight.lo * kLargestDepthRatio < weight.hi) {
     if (depth < kMaxDepth) {
-      split(net, box, arcs, depth, space_length(net, true) >= space_length(net, false));
+      split(node, arcs, depth, space_length(net, true) >= space_length(net, false));
     } else if (weight.lo > 0) {
       ++unresolved_;
     }
@@ -152,18 +217,17 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
   const Interval y = hull_range(net, kY, kW);
   if (!planes_.any_in(y.lo, y.hi)) return;
   const NetBounds bounds(net);
-  Piece piece{};
-  const Certificate certificate = certify_cut(net, bounds);
+  const Certificate certificate = certify(node, bounds);
   if (certificate.kind != CutKind::uncertain) {
-    describe(net, bounds, certificate, &piece);
     const bool small = bounds.x.f.width() <= kLargestPiece && y.width() <= kLargestPiece;
-    if (small || piece.linear || depth >= kMaxDepth) {
-      emit(piece, net, box, arcs);
+    if (small || depth >= kMaxDepth || is_planar(net, bounds)) {
+      emit_certified(net, bounds, certificate, box, arcs);
       return;
     }
   } else {
     const bool narrow = bounds.x.f.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
     if (narrow && low) {
+      Piece piece{};
       piece.kind = CutKind::uncertain;
       piece.x = bounds.x.f;
       piece.y = y;
@@ -176,25 +240,72 @@ void PieceBuilder::subdivide(const Net& net, const Box& box, const Arcs* arcs, i
       return;
     }
   }
-  split(net, box, arcs, depth,
+  split(node, arcs, depth,
         certificate.halve == Halve::either ? shape_halves_a(net, bounds) : certificate.halve == Halve::a);
 }
 
-void PieceBuilder::split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a) {
+void PieceBuilder::split(const Node& node, const Arcs* arcs, int depth, bool along_a) {
   if (stack_.size() < kMaxDepth + 2) stack_.resize(kMaxDepth + 2);
+  const Net& net = node.net;
   const std::size_t size = net.size();
-  if (stack_[depth].size() < 2 * size) stack_[depth].resize(2 * size);
-  double *left = stack_[depth].data(), *right = left + size;
-  Box first = box, second = box;
+  const std::size_t j_size = node.jacobian.coefficients ? node.jacobian.size() : 0;
+  const std::size_t turn_size = node.turn.coefficients ? node.turn.size() : 0;
+  const std::size_t all = size + j_size + turn_size;
+  if (stack_[depth].size() < 2 * all) stack_[depth].resize(2 * all);
+  double *left = stack_[depth].data(), *right = left + all;
+  halve(net.points, net.n, net.m, 4, along_a, left, right);
+  Node first{{net.n, net.m, left}, node.jacobian, node.turn, node.box}, second = first;
+  second.net.points = right;
+  const auto halve_form = [&](const Grid& form, std::size_t offset, Grid& in_first, Grid& in_second) {
+    in_first.coefficients = left + offset, in_second.coefficients = right + offset;
+    halve(form.coefficients, form.n, form.m, 1, along_a, left + offset, right + offset);
+  };
+  if (j_size) halve_form(node.jacobian, size, first.jacobian, second.jacobian);
+  if (turn_size) halve_form(node.turn, size + j_size, first.turn, second.turn);
   if (along_a) {
-    split_a(net, left, right);
-    first.s1 = second.s0 = 0.5 * (box.s0 + box.s1);
+    first.box.s1 = second.box.s0 = 0.5 * (node.box.s0 + node.box.s1);
   } else {
-    split_b(net, left, right);
-    first.t1 = second.t0 = 0.5 * (box.t0 + box.t1);
+    first.box.t1 = second.box.t0 = 0.5 * (node.box.t0 + node.box.t1);
   }
-  subdivide({net.n, net.m, left}, first, arcs, depth + 1);
-  subdivide({net.n, net.m, right}, second, arcs, depth + 1);
+  subdivide(first, arcs, depth + 1);
+  subdivide(second, arcs, depth + 1);
+}
+
+namespace {
+
+// Pixels on the screen's scale that a unit of the key stands for, at most.
+double pixels_per_key(const Camera& camera, Interval key) {
+  return camera.perspective ? camera.scale / key.mignitude() : camera.scale;
+}
+
+// The plane through the mean directions of the net, with the hull's distance from it. If the piece is too curved, or
+// edge-on, a plane of constant key is better.
+KeyPlane fit_key_plane(const Net& net, Interval key) {
+  const auto at = [&](int i, int j, Component c) {
+    const double* p = net.at(i, j);
+    return p[c] / p[kW];
+  };
+  const auto mean_a = [&](Component c) { return at(net.n, 0, c) - at(0, 0, c) + at(net.n, net.m, c) - at(0, net.m, c); };
+  const auto mean_b = [&](Component c) { return at(0, net.m, c) - at(0, 0, c) + at(net.n, net.m, c) - at(net.n, 0, c); };
+  const double xa = mean_a(kX), ya = mean_a(kY), ka = mean_a(kZ), xb = mean_b(kX), yb = mean_b(kY), kb = mean_b(kZ);
+  const double determinant = xa * yb - xb * ya;
+  KeyPlane plane = {key.mid(), 0.0, 0.0, 0.5 * key.width()};
+  const double by_x = (ka * yb - kb * ya) / determinant, by_y = (kb * xa - ka * xb) / determinant;
+  if (!std::isfinite(by_x) || !std::isfinite(by_y)) return plane;
+  Interval rest = Interval::empty();
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
+    rest.include((p[kZ] - by_x * p[kX] - by_y * p[kY]) / p[kW]);
+  }
+  if (0.5 * rest.width() < plane.error) plane = {rest.mid(), by_x, by_y, 0.5 * rest.width()};
+  return plane;
+}
+
+}  // namespace
+
+// A large plane is one piece, however large.
+bool PieceBuilder::is_planar(const Net& net, const NetBounds& bounds) const {
+  return net.n == 1 && net.m == 1 &&
+         fit_key_plane(net, bounds.key.f).error * pixels_per_key(camera_, bounds.key.f) < kNegligiblePixels;
 }
 
 // Fills in what a certified piece knows of its cuts.
@@ -206,16 +317,58 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   piece->y = bounds.y.f;
 
   const QuotientBounds y = piece->transposed ? transposed_bounds(bounds.y) : bounds.y;
-  QuotientBounds depth = camera_.perspective ? quotient_bounds(net, kW, kZ) : quotient_bounds(net, kZ, kW);
-  if (piece->transposed) depth = transposed_bounds(depth);
+  const QuotientBounds key = piece->transposed ? transposed_bounds(bounds.key) : bounds.key;
   piece->rising = y.fb.positive();
-  piece->depth = depth.f;
-  piece->depth_slope = depth.fa - (y.fa / y.fb) * depth.fb;
-  bool constant_weight = !camera_.perspective;
-  for (std::size_t k = 0; k < net.size(); k += 4) constant_weight &= net.points[k + kW] == net.points[kW];
-  piece->linear = constant_weight && net.n == 1 && net.m == 1 &&
-                  std::max(bounds.x.fab.magnitude(), bounds.y.fab.magnitude()) < kNegligiblePixels &&
-                  depth.fab.magnitude() * camera_.scale < kNegligiblePixels;
+  piece->key = key.f;
+  piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
+  const auto remainder = [](const QuotientBounds& q) {
+    return 0.5 * (q.faa.magnitude() + 2.0 * q.fab.magnitude() + q.fbb.magnitude());
+  };
+  const double key_pixels = pixels_per_key(camera_, key.f);
+  piece->bend = std::max({remainder(bounds.x), remainder(bounds.y), remainder(key) * key_pixels});
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;
+  piece->key_plane = fit_key_plane(net, key.f);
+  piece->planar = piece->key_plane.error * key_pixels < kNegligiblePixels;
+}
+
+// Stores a certified piece, cut along the cut's own parameter where one of the borders along it turns in y: then no
+// scan plane meets a border twice.
+void PieceBuilder::emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate,
+                                  const Box& box, const Arcs* arcs) {
+  const std::size_t row = 4 * std::size_t(net.m + 1);
+  turns_.assign({0.0});
+  if (certificate.transposed) {
+    append_turns(net.at(0, 0), net.m, 4, turns_);
+    append_turns(net.at(net.n, 0), net.m, 4, turns_);
+  } else {
+    append_turns(net.at(0, 0), net.n, row, turns_);
+    append_turns(net.at(0, net.m), net.n, row, turns_);
+  }
+  Piece piece{};
+  if (turns_.size() == 1) {
+    describe(net, bounds, certificate, &piece);
+    emit(piece, net, box, arcs);
+    return;
+  }
+  turns_.push_back(1.0);
+  std::sort(turns_.begin(), turns_.end());
+  part_.resize(net.size());
+  for (std::size_t k = 1; k < turns_.size(); ++k) {
+    const double from = turns_[k - 1], to = turns_[k];
+    if (!(from < to)) continue;
+    Box inner = box;
+    if (certificate.transposed) {
+      restrict_net(net, 0.0, 1.0, from, to, part_.data());
+      inner.t0 = box.t0 + from * (box.t1 - box.t0), inner.t1 = box.t0 + to * (box.t1 - box.t0);
+    } else {
+      restrict_net(net, from, to, 0.0, 1.0, part_.data());
+      inner.s0 = box.s0 + from * (box.s1 - box.s0), inner.s1 = box.s0 + to * (box.s1 - box.s0);
+    }
+    const Net part{net.n, net.m, part_.data()};
+    piece = {};
+    describe(part, NetBounds(part), certificate, &piece);
+    emit(piece, part, inner, arcs);
+  }
 }
 
 void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs) {
@@ -230,13 +383,13 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   piece.patch = patch_;
   piece.face = face_;
   piece.s0 = box.s0, piece.s1 = box.s1, piece.t0 = box.t0, piece.t1 = box.t1;
-  if (piece.kind == CutKind::uncertain)
-    piece.depth = hull_range(net, camera_.perspective ? kW : kZ, camera_.perspective ? kZ : kW);
+  if (piece.kind == CutKind::uncertain) piece.key = hull_range(net, kZ, kW);
   if (arcs) {
     piece.region = region_;
     if (piece.kind != CutKind::uncertain) {
       portions_.clear();
-      for (const TrimArc* arc : *arcs) monotone_portions(piece, *arc, planes_, portions_);
+      const NetBounds bounds(piece.net);
+      for (const TrimArc* arc : *arcs) monotone_portions(piece, bounds, *arc, planes_, portions_);
       TrimPortion* stored = portion_arena_.take(portions_.size());
       std::copy(portions_.begin(), portions_.end(), stored);
       piece.portions = stored;

@@ -12,6 +12,7 @@
 
 #include "arena.h"
 #include "bezier/interval.h"
+#include "bezier/jacobian.h"
 #include "bezier/net.h"
 #include "camera.h"
 #include "raster/certificate.h"
@@ -20,17 +21,26 @@
 
 namespace nofacet {
 
-// A length on the screen, in pixels, below which nothing is told apart: what remains uncertified at this size is
-// drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
-inline constexpr double kNegligiblePixels = 1e-9;
-
-// A part of a trim arc inside one piece, along which the screen y moves one way only.
+// A part of a trim arc inside one piece, along which the screen y moves one way only; or one that no scan plane of the
+// frame meets, which is kept for its range of y only (arc is null).
 struct TrimPortion {
+  struct End {
+    double t, a, b, x, y, key;  // on the arc, in the piece, on the screen
+  };
+
   const TrimArc* arc;
-  double t0, t1;
-  double y0, y1;
+  End from, to;
+  bool straight;  // all of this is linear between the ends
 };
 
+// key = at + by_x x + by_y y, to within +-error, all over a piece.
+struct KeyPlane {
+  double at = 0.0, by_x = 0.0, by_y = 0.0, error = 0.0;
+
+  double key(double x, double y) const { return at + by_x * x + by_y * y; }
+};
+
+// No scan plane meets one of its four borders twice.
 struct Piece {
   Net net;  // a = the patch's s and b = its t, or the other way round if transposed
   const Scene::PatchRef* patch;
@@ -41,10 +51,13 @@ struct Piece {
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
   bool transposed;
   bool rising;           // Y - y W grows with b
-  bool linear;           // x and depth are linear along every cut
+  bool rational;         // the weights differ; else they are 1
+  bool planar;           // the key plane is exact: its error is below kNegligiblePixels
   CutKind kind;          // uncertain: as small as kNegligiblePixels, drawn as a point
-  Interval x, y, depth;  // pixels, pixels, model units
-  Interval depth_slope;  // d depth / da along a cut
+  Interval x, y, key;    // pixels, pixels, depth key (camera.h)
+  Interval key_slope;    // d key / da along a cut
+  KeyPlane key_plane;
+  double bend;           // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
 
   // The face's (u, v) at (a, b), and back.
   void face_from_local(double a, double b, double* u, double* v) const {
@@ -58,6 +71,13 @@ struct Piece {
     if (transposed) std::swap(*a, *b);
   }
 };
+
+// The patch as the camera sees it; `points` holds the net. Weights that are all the same become 1.
+Net project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
+                  std::vector<double>& points);
+// True if no point of the net can be in front of the eye and inside the image: every control point lies beyond one of
+// the frustum's planes, in homogeneous form, so it holds for nets that cross the eye plane too.
+bool is_off_screen(const Net& net, const Camera& camera);
 
 // Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
 class PieceBuilder {
@@ -77,10 +97,21 @@ class PieceBuilder {
   };
   using Arcs = std::vector<const TrimArc*>;
 
-  void subdivide(const Net& net, const Box& box, const Arcs* arcs, int depth);
-  void split(const Net& net, const Box& box, const Arcs* arcs, int depth, bool along_a);
+  // A part of the patch, with the forms that go with its net where they are carried along (bezier/jacobian.h).
+  struct Node {
+    Net net;
+    Grid jacobian, turn;  // coefficients may be null
+    Box box;
+  };
+
+  void carry_forms(Node& root);
+  void subdivide(const Node& node, const Arcs* arcs, int depth);
+  void split(const Node& node, const Arcs* arcs, int depth, bool along_a);
+  Certificate certify(const Node& node, const NetBounds& bounds) const;
   void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Piece* piece) const;
-  bool behind_or_outside(const Net& net) const;
+  bool is_planar(const Net& net, const NetBounds& bounds) const;
+  void emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Box& box,
+                      const Arcs* arcs);
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
   void add_portions(const Piece& piece, const TrimArc& arc);
 
@@ -90,7 +121,10 @@ class PieceBuilder {
   Arena<double> nets_;
   Arena<TrimPortion> portion_arena_;
   std::vector<TrimPortion> portions_;
-  std::vector<std::vector<double>> stack_;  // two nets for each depth
+  std::vector<double> projected_, turns_, part_;
+  std::vector<std::vector<double>> stack_;  // the two halves for each depth
+  std::vector<double> forms_;               // of the patch: J and its turn
+  CarriedForms scales_;
   std::vector<Arcs> arc_stack_;
   int64_t unresolved_ = 0, nodes_ = 0;
   // The patch being worked on.
@@ -100,7 +134,8 @@ class PieceBuilder {
   std::vector<Piece>* out_ = nullptr;
 };
 
-// Appends to `out` the parts of `arc` inside `piece` that some plane meets, each monotone in screen y.
-void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes, std::vector<TrimPortion>& out);
+// Appends to `out` the parts of `arc` inside `piece`, each monotone in screen y. `bounds`: of the piece's net.
+void monotone_portions(const Piece& piece, const NetBounds& bounds, const TrimArc& arc, const ScanPlanes& planes,
+                       std::vector<TrimPortion>& out);
 
 }  // namespace nofacet

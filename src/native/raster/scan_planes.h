@@ -12,6 +12,11 @@ namespace nofacet {
 // (simulation of simplicity: Edelsbrunner, Muecke 1990). Values are still solved at the exact pixel centre.
 inline constexpr double kSampleShiftX = 1.0726e-8, kSampleShiftY = 1.3093e-8;
 
+// The first of the pixels 0 .. width whose centre lies at or right of x.
+inline int first_pixel(double x, int width) {
+  return int(std::ceil(std::clamp(x - 0.5 - kSampleShiftX, 0.0, double(width))));
+}
+
 class ScanPlanes {
  public:
   // Level edges are located to one part in this many of a pixel, where they are located at all.

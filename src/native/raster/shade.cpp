@@ -6,9 +6,7 @@
 namespace nofacet {
 namespace {
 
-// A tangent shorter than this part of the other one is taken for degenerate.
-constexpr double kDegenerate = 1e-6;
-// A piece smaller than this part of its patch has lost the digits that its derivatives are made of.
+
 constexpr double kTinyPiece = 1e-5;
 
 double length(const double* v) { return std::sqrt(Camera::dot(v, v)); }
@@ -31,7 +29,7 @@ struct Tangents {
   bool cross(double normal[3]) const {
     for (int c = 0; c < 3; ++c) normal[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
     const double size = length(normal);
-    if (!(size > 1e-9 * length(a) * length(b))) return false;
+    if (!(size > kFlat * length(a) * length(b))) return false;
     for (int c = 0; c < 3; ++c) normal[c] /= size;
     return true;
   }
@@ -84,6 +82,8 @@ void patch_normal(const Scene& scene, const Piece& piece, const Camera& camera, 
 
 }  // namespace
 
+bool is_tiny(const Piece& piece) { return piece.s1 - piece.s0 < kTinyPiece || piece.t1 - piece.t0 < kTinyPiece; }
+
 void surface_normal(const Scene& scene, const Piece& piece, const Camera& camera, const SurfaceSample& sample,
                     double normal[3]) {
   double p[4], pa[4], pb[4];
@@ -91,8 +91,7 @@ void surface_normal(const Scene& scene, const Piece& piece, const Camera& camera
   camera.unproject(sample.jet.pa, pa);
   camera.unproject(sample.jet.pb, pb);
   const Tangents tangents(p, pa, pb);
-  const bool tiny = piece.s1 - piece.s0 < kTinyPiece || piece.t1 - piece.t0 < kTinyPiece;
-  if (tiny || tangents.degenerate() || !tangents.cross(normal)) {
+  if (is_tiny(piece) || tangents.degenerate() || !tangents.cross(normal)) {
     patch_normal(scene, piece, camera, sample.a, sample.b, normal);
   }
   const double towards_back = camera.perspective ? Camera::dot(normal, p) * p[3] : normal[2];
@@ -110,16 +109,14 @@ void shade(const Camera& camera, const SurfaceSample& sample, const double norma
     for (int c = 0; c < 3; ++c) towards_eye[c] = -p[c] / length;
   }
   const double facing = std::min(1.0, std::fabs(Camera::dot(normal, towards_eye)));
-  // The light stands a little above and to the left of the eye, so that faces tilted either way differ.
-  constexpr double kKey[3] = {-0.29, 0.35, -0.89};
-  const double key = std::max(0.0, Camera::dot(normal, kKey));
+  const double key = std::max(0.0, Camera::dot(normal, kKeyLight));
   const double world_up = camera.right[2] * normal[0] + camera.up[2] * normal[1] + camera.forward[2] * normal[2];
   const double sky = 0.5 + 0.5 * world_up;
-  const double half[3] = {kKey[0] + towards_eye[0], kKey[1] + towards_eye[1], kKey[2] + towards_eye[2]};
+  const double half[3] = {kKeyLight[0] + towards_eye[0], kKeyLight[1] + towards_eye[1], kKeyLight[2] + towards_eye[2]};
   const double gloss = std::max(0.0, Camera::dot(normal, half) / std::sqrt(Camera::dot(half, half)));
   const double gloss2 = gloss * gloss, gloss8 = gloss2 * gloss2 * gloss2 * gloss2;
-  const double diffuse = 0.10 + 0.17 * sky + 0.25 * facing + 0.48 * key;
-  const double highlight = 0.10 * gloss8 * gloss8 * gloss8 * gloss8;
+  const double diffuse = kAmbient + kSky * sky + kFacing * facing + kKey * key;
+  const double highlight = kGloss * gloss8 * gloss8 * gloss8 * gloss8;
   for (int c = 0; c < 3; ++c) rgb[c] = float(std::min(1.0, color[c] * diffuse + highlight));
 }
 

@@ -17,19 +17,20 @@ Interval slope_range(const ParameterMap& map, Interval u) {
 
 class PortionFinder {
  public:
-  PortionFinder(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes, std::vector<TrimPortion>& out)
-      : piece_(piece), arc_(arc), planes_(planes), out_(out), whole_(piece.net) {}
+  PortionFinder(const Piece& piece, const NetBounds& bounds, const TrimArc& arc, const ScanPlanes& planes,
+                std::vector<TrimPortion>& out)
+      : piece_(piece), whole_(bounds), arc_(arc), planes_(planes), out_(out) {}
 
-  struct End {
-    double t, u, v, a, b, y;
+  struct End : TrimPortion::End {
+    double u, v;
   };
 
   End end(double t) const {
     const CurvePoint c = arc_.at(t);
-    End e{t, c.u, c.v, 0, 0, 0};
+    End e{{t, 0, 0, 0, 0, 0}, c.u, c.v};
     piece_.local_from_face(c.u, c.v, &e.a, &e.b);
     const Jet jet = evaluate(piece_.net, e.a, e.b);
-    e.y = jet.p[kY] / jet.p[kW];
+    e.x = jet.p[kX] / jet.p[kW], e.y = jet.p[kY] / jet.p[kW], e.key = jet.p[kZ] / jet.p[kW];
     return e;
   }
 
@@ -43,7 +44,7 @@ class PortionFinder {
     Interval slope = whole_.y.fa * da + whole_.y.fb * db;  // dy/dt
     if (!slope.one_signed()) {
       const NetBounds part(restricted(a, b));
-      if (!planes_.any_in(part.y.f.lo, part.y.f.hi)) return;
+      if (!planes_.any_in(part.y.f.lo, part.y.f.hi)) return skip(part.y.f);
       // Derivatives of the restricted net are by its own parameters.
       slope = intersect(slope, part.y.fa * (1.0 / a_width_) * da + part.y.fb * (1.0 / b_width_) * db);
     }
@@ -51,10 +52,10 @@ class PortionFinder {
     const Interval run = slope * (to.t - from.t);
     const Interval range = intersect({from.y + std::min(0.0, run.lo), from.y + std::max(0.0, run.hi)},
                                      {to.y - std::max(0.0, run.hi), to.y - std::min(0.0, run.lo)});
-    if (!planes_.any_in(range.lo, range.hi)) return;
+    if (!planes_.any_in(range.lo, range.hi)) return skip(range);
     // A portion that is level to within kSliverPixels may be taken for monotone: that moves it by no more.
     if (slope.one_signed() || run.magnitude() < kSliverPixels || halvings >= kMaxHalvings) {
-      out_.push_back({&arc_, from.t, to.t, from.y, to.y});
+      out_.push_back({&arc_, from, to, is_straight()});
       return;
     }
     const End middle = end(0.5 * (from.t + to.t));
@@ -63,6 +64,21 @@ class PortionFinder {
   }
 
  private:
+  // No scan plane meets it.
+  void skip(Interval y) const {
+    TrimPortion portion{};
+    portion.from.y = y.lo, portion.to.y = y.hi;
+    out_.push_back(portion);
+  }
+
+  // A straight line in (u, v) on a plane seen without perspective.
+  bool is_straight() const {
+    const Scene::PatchRef& patch = *piece_.patch;
+    return arc_.degree == 1 && arc_.points[2] == arc_.points[5] && !patch.u.angular && !patch.v.angular &&
+           piece_.planar && !piece_.rational && piece_.net.n == 1 && piece_.net.m == 1 &&
+           std::max(whole_.x.fab.magnitude(), whole_.y.fab.magnitude()) < kNegligiblePixels;
+  }
+
   static Interval ordered(double p, double q) { return p < q ? Interval{p, q} : Interval{q, p}; }
 
   // The piece over the box of the portion, padded so that it has some width for an iso-parameter portion.
@@ -79,10 +95,10 @@ class PortionFinder {
   }
 
   const Piece& piece_;
+  const NetBounds& whole_;
   const TrimArc& arc_;
   const ScanPlanes& planes_;
   std::vector<TrimPortion>& out_;
-  NetBounds whole_;
   std::vector<double> scratch_;
   double a_width_ = 1.0, b_width_ = 1.0;
 };
@@ -99,7 +115,7 @@ void clip_to_slab(double lo, double hi, double first, double last, const TrimArc
 
 }  // namespace
 
-void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes& planes,
+void monotone_portions(const Piece& piece, const NetBounds& bounds, const TrimArc& arc, const ScanPlanes& planes,
                        std::vector<TrimPortion>& out) {
   double t0 = arc.t0, t1 = arc.t1;
   const ParameterMap &u = piece.patch->u, &v = piece.patch->v;
@@ -110,7 +126,7 @@ void monotone_portions(const Piece& piece, const TrimArc& arc, const ScanPlanes&
       v.face_from_patch(piece.t0), v.face_from_patch(piece.t1), arc.v0, arc.v1, arc,
       [](const TrimArc& c, double x) { return c.parameter_at_v(x); }, &t0, &t1);
   if (!(t0 < t1)) return;
-  PortionFinder finder(piece, arc, planes, out);
+  PortionFinder finder(piece, bounds, arc, planes, out);
   finder.find(finder.end(t0), finder.end(t1), 0);
 }
 

@@ -3,36 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bezier/bernstein.h"
+#include "bezier/turning.h"
 
 namespace nofacet {
 namespace {
-
-// Bernstein coefficients of f' w - f w' (degree 2 degree - 1): its roots are where the coordinate f / w turns.
-int turning_polynomial(const double* points, int degree, int coordinate, double* out) {
-  const int n = degree, total = 2 * n - 1;
-  auto binomial = [](int a, int b) {
-    double r = 1.0;
-    for (int k = 1; k <= b; ++k) r = r * (a - b + k) / k;
-    return r;
-  };
-  bool polynomial = true;
-  for (int i = 1; i <= n; ++i) polynomial &= points[3 * i + 2] == points[2];
-  if (polynomial) {
-    for (int i = 0; i < n; ++i) out[i] = points[3 * (i + 1) + coordinate] - points[3 * i + coordinate];
-    return n - 1;
-  }
-  std::fill(out, out + total + 1, 0.0);
-  for (int i = 0; i < n; ++i) {
-    const double df = points[3 * (i + 1) + coordinate] - points[3 * i + coordinate];
-    const double dw = points[3 * (i + 1) + 2] - points[3 * i + 2];
-    for (int j = 0; j <= n; ++j) {
-      const double scale = binomial(n - 1, i) * binomial(n, j) / binomial(total, i + j);
-      out[i + j] += scale * (df * points[3 * j + 2] - points[3 * j + coordinate] * dw);
-    }
-  }
-  return total;
-}
 
 constexpr int kMaxTurns = 2 * kMaxPolynomial + 2;
 
@@ -55,9 +29,11 @@ double Region::signed_area() const {
   constexpr int kChords = 8;
   double twice = 0.0;
   for (const TrimArc& arc : arcs_) {
-    CurvePoint from = arc.at(arc.t0);
-    for (int k = 1; k <= kChords; ++k) {
-      const CurvePoint to = arc.at(arc.t0 + (arc.t1 - arc.t0) * k / kChords);
+    CurvePoint from{arc.u0, arc.v0, 0, 0};
+    const int chords = arc.degree == 1 ? 1 : kChords;
+    for (int k = 1; k <= chords; ++k) {
+      const CurvePoint to =
+          k == chords ? CurvePoint{arc.u1, arc.v1, 0, 0} : arc.at(arc.t0 + (arc.t1 - arc.t0) * k / chords);
       twice += (from.u - arcs_[0].u0) * (to.v - arcs_[0].v0) - (to.u - arcs_[0].u0) * (from.v - arcs_[0].v0);
       from = to;
     }
@@ -71,7 +47,7 @@ void Region::add_segment(const double* points, int degree) {
   if (degree > 1) {
     double polynomial[kMaxPolynomial + 1];
     for (int coordinate = 0; coordinate < 2; ++coordinate) {
-      const int n = turning_polynomial(points, degree, coordinate, polynomial);
+      const int n = turning_polynomial(points, 3, coordinate, 2, degree, polynomial);
       count += bernstein_roots(polynomial, n, cuts + count);
     }
   }

@@ -5,7 +5,8 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,8 @@ from . import stream as brep
 from .geometry import SURFACES
 from .loops import Loops, merged, without
 from .patches import PatchBuilder, are_exact
-from .stream import EXTERNAL, INTERNAL, REVERSED, Stream
-from .tables import Index, offsets_of
+from .stream import REVERSED, Stream
+from .tables import Index, expand_runs, offsets_of
 from .trims import Trims, trim
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def convert(shape: TopoDS_Shape, source: str) -> Model:
     with _garbage_collection_paused():
         stream = brep.read(shape)
         faces = placed_faces(stream)
-        shapes, first = np.unique(np.array([face.shape for face in faces], np.intp), return_index=True)
+        shapes, first = np.unique(faces.shape, return_index=True)
         order = np.argsort(first)
         conversion = _Conversion(shape, stream, shapes[order], first[order])
         return _assemble(source, stream, faces, conversion)
@@ -50,41 +51,42 @@ def _garbage_collection_paused() -> Iterator[None]:
             gc.enable()
 
 
-class PlacedFace(NamedTuple):
-    """A face of the stream (index into shapes) where it stands in the shape (number of the location)."""
+@dataclass(frozen=True)
+class PlacedFaces:
+    """Faces of the stream where they stand in the shape: index into shapes, number of the location, orientation, each
+    (F,)."""
 
-    shape: int
-    location: int
-    orientation: int
+    shape: Index
+    location: Index
+    orientation: NDArray[np.uint8]
 
 
-def placed_faces(stream: Stream) -> list[PlacedFace]:
+def placed_faces(stream: Stream) -> PlacedFaces:
     """Faces in the order of TopExp::MapShapes: depth first, each (shape, location) once, first orientation kept."""
-    faces: dict[tuple[int, int], PlacedFace] = {}
-    kinds = stream.kinds.tolist()
     below = stream.children
-    offsets, shapes = below.offsets.tolist(), below.shape.tolist()
-    orientations, locations = below.orientation.tolist(), below.location.tolist()
-    compose = stream.locations.compose
+    holds_faces = np.isin(stream.kinds, brep.SOLID_LIKE)
+    orientation, shape, location = (np.array([value]) for value in stream.root)
+    while (holds := holds_faces[shape]).any():
+        # each such shape makes way for its children, a face stays, anything else has no faces
+        count = np.where(holds, np.diff(below.offsets)[shape], stream.kinds[shape] == brep.FACE)
+        parent, k = expand_runs(np.where(holds, below.offsets[shape], 0), count)
+        inner = np.flatnonzero(holds[parent])
+        k, outer = k[inner], parent[inner]
+        orientations, shapes, locations = orientation[parent], shape[parent], location[parent]
+        orientations[inner] = _composed(orientation[outer], below.orientation[k])
+        shapes[inner] = below.shape[k]
+        locations[inner] = stream.locations.compose_all(location[outer], below.location[k])
+        orientation, shape, location = orientations, shapes, locations
+    place = shape * (location.max(initial=0) + 1) + location
+    faces = np.flatnonzero(stream.kinds[shape] == brep.FACE)
+    first = faces[np.sort(np.unique(place[faces], return_index=True)[1])]
+    return PlacedFaces(shape[first], location[first], orientation[first].astype(np.uint8))
 
-    def walk(orientation: int, shape: int, location: int) -> None:
-        if kinds[shape] == brep.FACE:
-            if (shape, location) not in faces:
-                faces[shape, location] = PlacedFace(shape, location, orientation)
-        elif kinds[shape] in brep.SOLID_LIKE:
-            for k in range(offsets[shape], offsets[shape + 1]):
-                walk(_composed(orientation, orientations[k]), shapes[k], compose(location, locations[k]))
 
-    orientation, shape, location = stream.root
-    walk(orientation, shape, location)
-    return list(faces.values())
-
-
-def _composed(outer: int, inner: int) -> int:
+def _composed(outer: NDArray[Any], inner: NDArray[Any]) -> NDArray[Any]:
     """TopAbs::Compose: a reversed parent flips, an internal or external one passes its own on."""
-    if outer in (INTERNAL, EXTERNAL):
-        return outer
-    return inner if outer != REVERSED or inner in (INTERNAL, EXTERNAL) else 1 - inner
+    flipped = np.where((outer == REVERSED) & (inner <= REVERSED), 1 - inner.astype(np.intp), inner)
+    return np.where(outer <= REVERSED, flipped, outer)
 
 
 WANTED = 1e-9  # of a face's size: an approximated surface that misses this is named in a warning
@@ -199,7 +201,7 @@ class _Conversion:
                 )
             )
 
-    def warnings(self, faces: list[PlacedFace]) -> list[str]:
+    def warnings(self, faces: PlacedFaces) -> list[str]:
         """A line for each definition that is not drawn, or not as exactly as promised, and one for all triangles."""
         result = []
         for definition, problem in sorted(self.problems.items()):
@@ -209,16 +211,17 @@ class _Conversion:
             result.append(f"face {self.first_face[definition]} ({self.surface_type[definition]}): {problem}")
         drawn_shapes = self.definitions[(self.surface == 0) & (self.trimmed == 1)]
         has_triangles = drawn_shapes[self.stream.faces.triangulation[drawn_shapes] > 0]
-        drawn = np.isin([face.shape for face in faces], has_triangles).sum()
+        drawn = np.isin(faces.shape, has_triangles).sum()
         if drawn:
             result.append(f"{drawn} faces are given as triangles only and are drawn as those triangles")
         return result
 
 
-def _assemble(source: str, stream: Stream, faces: list[PlacedFace], conversion: _Conversion) -> Model:
+def _assemble(source: str, stream: Stream, faces: PlacedFaces, conversion: _Conversion) -> Model:
     placements, face_placement = _placements(stream, faces)
-    mirrored = np.linalg.det(placements[:, :3, :3])[face_placement] < 0 if faces else np.zeros(0, bool)
-    backwards = np.array([face.orientation == REVERSED for face in faces], bool)
+    mirrored = (np.linalg.det(placements[:, :3, :3]) < 0)[face_placement]
+    backwards = faces.orientation == REVERSED
+    count = len(faces.shape)
     definition_of = np.empty(len(stream.kinds), np.int32)
     definition_of[conversion.definitions] = np.arange(len(conversion.definitions))
     loops = conversion.loops
@@ -233,20 +236,22 @@ def _assemble(source: str, stream: Stream, faces: list[PlacedFace], conversion: 
         segment_points=loops.points,
         segment_edge=loops.edge,
         conversion_error=conversion.errors,
-        face_definition=definition_of[[face.shape for face in faces]],
+        face_definition=definition_of[faces.shape],
         face_placement=face_placement,
         placements=placements,
         face_outward=np.where(mirrored ^ backwards, -1, 1).astype(np.int8),
-        face_color=np.tile(np.array(DEFAULT_COLOR, np.float32), (len(faces), 1)),
-        face_name=[""] * len(faces),
+        face_color=np.tile(np.array(DEFAULT_COLOR, np.float32), (count, 1)),
+        face_name=[""] * count,
         warnings=conversion.warnings(faces),
     )
 
 
-def _placements(stream: Stream, faces: list[PlacedFace]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+def _placements(stream: Stream, faces: PlacedFaces) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Distinct matrices (K, 4, 4), world from definition, and the index (F,) of each face's."""
-    own = stream.faces.location.tolist()
-    locations = [stream.locations.compose(face.location, own[face.shape]) for face in faces]
-    index_of = {location: k for k, location in enumerate(dict.fromkeys(locations))}
-    matrices = np.array([stream.locations.matrix(location) for location in index_of]).reshape(-1, 4, 4)
-    return matrices, np.array([index_of[location] for location in locations], np.int32)
+    locations = stream.locations.compose_all(faces.location, stream.faces.location[faces.shape])
+    distinct, first, which = np.unique(locations, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    matrices = np.array([stream.locations.matrix(location) for location in distinct[order].tolist()])
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order))
+    return matrices.reshape(-1, 4, 4), rank[which]

@@ -8,10 +8,11 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from .bspline import bezier_points, curve_pieces, knot_vectors, knots_and_poles, ranges, spans
-from .geometry import KNOTS, Curve
-from .records import BSPLINE, CIRCLE, ELLIPSE, LINE, SPLINE, Curves, gather, gather_reals, joined
-from .tables import Index, expand_runs, offsets_of
+from .. import _native
+from .bspline import curve_pieces
+from .geometry import Curve
+from .records import BSPLINE, CIRCLE, ELLIPSE, LINE, Curves, gather_reals
+from .tables import Index, expand_runs
 
 Array = NDArray[np.float64]
 
@@ -110,45 +111,7 @@ def unit_arcs(start: Array, stop: Array) -> tuple[Array, Array, Array]:
 
 
 def _splines(curves: Curves, which: Index, first: Array, last: Array) -> list[Pieces]:
-    distinct, spline = np.unique(which, return_inverse=True)
-    headers = gather(curves.data, curves.at[distinct], SPLINE)
-    rational, degree = headers["rational"], headers["degree"].astype(np.intp)
-    start = curves.at[distinct] + SPLINE.itemsize
-    size = 8 * (curves.dim + rational) * headers["poles"].astype(np.intp)
-    poles, first_pole = pole_columns(curves.data, start, size, curves.dim, rational)
-    knots = joined(curves.data, start + size, KNOTS.itemsize * headers["knots"].astype(np.intp), KNOTS)
-    vectors = knot_vectors(degree, knots, headers["knots"], headers["periodic"], *ranges(spline, first, last))
-    wanted = spans(vectors, spline, first, last)
-    kinds = 2 * degree[wanted.spline] + rational[wanted.spline]
-    result = []
-    for kind in np.flatnonzero(np.bincount(kinds)).tolist():
-        p, is_rational = divmod(kind, 2)
-        rows = np.flatnonzero(kinds == kind)
-        begin, end = wanted.start[rows], wanted.stop[rows]
-        around, numbers = knots_and_poles(vectors, wanted, rows, p)
-        values = bezier_points(poles[is_rational][:, numbers + first_pole[wanted.spline[rows]]], around, begin, end)
-        points = np.ones((len(rows), p + 1, curves.dim + 1))
-        points[..., : len(values)] = values.transpose(2, 1, 0)
-        result.append(Pieces(wanted.owner[rows], begin, end, points))
-    return result
-
-
-def pole_columns(
-    data: bytes, start: Index, size: Index, dim: int, rational: NDArray[np.bool_]
-) -> tuple[list[Array], Index]:
-    """The poles of n splines, whose `size` (n,) bytes start at `start` (n,): coordinates (dim, P) of those that are not
-    rational, homogeneous coordinates (dim + 1, Q) of those that are; each spline's first column (n,) in its table."""
-    tables = []
-    first = np.zeros(len(start), np.intp)
-    for kind in (0, 1):
-        own = np.flatnonzero(rational == kind)
-        width = dim + kind
-        table = np.array(joined(data, start[own], size[own], "<f8").reshape(-1, width).T, order="C")
-        if kind:
-            table[:dim] *= table[dim]
-        tables.append(table)
-        first[own] = offsets_of(size[own] // (8 * width))[:-1]
-    return tables, first
+    return [Pieces(*part) for part in _native.spline_pieces(curves.data, curves.dim, curves.at[which], first, last)]
 
 
 def _others(curves: Curves, which: Index, first: Array, last: Array) -> list[Pieces]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import stream as brep
-from .convert import PlacedFace, placed_faces
+from .convert import placed_faces
 from .edges import edge_uses
 from .evaluate import Curves, Surfaces
 from .geometry import Curve, Surface
@@ -66,9 +66,10 @@ def edge_deviations(shape: TopoDS_Shape) -> EdgeDeviations:
     """
     stream = brep.read(shape)
     faces = placed_faces(stream)
-    first_place = {face.shape: index for index, face in reversed(list(enumerate(faces)))}
+    shapes = faces.shape.tolist()
+    first_place = {face: index for index, face in reversed(list(enumerate(shapes)))}
     collection = _Collection()
-    own = [face for face in dict.fromkeys(face.shape for face in faces) if stream.faces.surface[face]]
+    own = [face for face in dict.fromkeys(shapes) if stream.faces.surface[face]]
     for face in collection.add(stream, own, own):
         from .repair import face_with_pcurves
 
@@ -76,18 +77,18 @@ def edge_deviations(shape: TopoDS_Shape) -> EdgeDeviations:
         collection.add(repaired, [repaired.root[1]], [face])
     distance = _Measurement(collection).distances()
     tolerance = np.array([row.tolerance for row in collection.rows], float)
-    rows_of: dict[int, list[int]] = {face.shape: [] for face in faces}
+    rows_of: dict[int, list[int]] = {face: [] for face in shapes}
     for number, row in enumerate(collection.rows):
         rows_of[row.face].append(number)
-    use = np.array([number for face in faces for number in rows_of[face.shape]], np.int64)
-    placed = np.repeat(np.arange(len(faces), dtype=np.int32), [len(rows_of[face.shape]) for face in faces])
-    scale = np.array([_scale(stream, face) for face in faces])[placed]
+    use = np.array([number for face in shapes for number in rows_of[face]], np.int64)
+    placed = np.repeat(np.arange(len(shapes), dtype=np.int32), [len(rows_of[face]) for face in shapes])
+    locations = stream.locations.compose_all(faces.location, stream.faces.location[faces.shape])
+    scale = np.array([_scale(stream, location) for location in locations.tolist()])[placed]
     return EdgeDeviations(placed, scale * distance[use], scale * tolerance[use])
 
 
-def _scale(stream: Stream, face: PlacedFace) -> float:
-    """World lengths from lengths in the face's surface's own coordinates."""
-    location = stream.locations.compose(face.location, int(stream.faces.location[face.shape]))
+def _scale(stream: Stream, location: int) -> float:
+    """World lengths from lengths in the coordinates of a surface at a location."""
     return float(abs(np.linalg.det(stream.locations.matrix(location)[:3, :3])) ** (1 / 3)) if location else 1.0
 
 

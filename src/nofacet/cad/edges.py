@@ -84,14 +84,12 @@ class Segments:
     """Rational Bezier segments (wu, wv, w) with end weights 1, in the direction of their edges.
 
     offsets: (U + 1,), use k has the segments offsets[k] .. offsets[k + 1]; first_point: (S,), of each segment in
-    points; degree: (S,); low, high: (S, 2), corners of the box of its control points; points: (M, 3).
+    points; degree: (S,); points: (M, 3).
     """
 
     offsets: Index
     first_point: Index
     degree: Index
-    low: Array
-    high: Array
     points: Array
 
     def with_links(self, links: Array) -> Segments:
@@ -103,8 +101,6 @@ class Segments:
             np.append(self.offsets, self.offsets[-1] + 1 + np.arange(count)),
             np.append(self.first_point, len(self.points) + 2 * np.arange(count)),
             np.append(self.degree, np.ones(count, np.intp)),
-            np.concatenate([self.low, links.min(axis=1)]),
-            np.concatenate([self.high, links.max(axis=1)]),
             np.concatenate([self.points, points]),
         )
 
@@ -173,23 +169,12 @@ def _joined(parts: list[Pieces], count: int) -> Segments:
         of_use += np.bincount(part.owner, minlength=count)
     offsets = offsets_of(of_use)
     first_point, degree = np.empty((2, total), np.intp)
-    low, high = np.empty((2, total, 2))
     before = 0
     for part in parts:
         place = offsets[part.owner] + rank_in_run(part.owner)
         size = part.points.shape[1]
         first_point[place] = before + size * np.arange(len(place))
         degree[place] = size - 1
-        low[place], high[place] = _hulls(part.points)
         before += size * len(place)
     flat = [part.points.reshape(-1, 3) for part in parts]
-    return Segments(offsets, first_point, degree, low, high, np.concatenate(flat) if flat else np.empty((0, 3)))
-
-
-def _hulls(points: Array) -> tuple[Array, Array]:
-    """Corners (m, 2), (m, 2) of the boxes of control points (m, p + 1, 3)."""
-    low = high = points[:, 0, :2]  # end weights are 1
-    for k in range(1, points.shape[1]):
-        control = points[:, k, :2] / points[:, k, 2:]
-        low, high = np.minimum(low, control), np.maximum(high, control)
-    return low, high
+    return Segments(offsets, first_point, degree, np.concatenate(flat) if flat else np.empty((0, 3)))

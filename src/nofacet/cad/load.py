@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+from nofacet import cache
 from nofacet.cad.formats import file_format
 from nofacet.cad.worker import read_in_worker
 from nofacet.model import Model
@@ -22,7 +24,8 @@ def load(
 
     source: the path of a STEP or BREP file (str or PathLike; told apart by content, not by extension); a cadquery
         Workplane, Shape or Assembly; a build123d shape, assembly or builder; an OpenCascade TopoDS_Shape.
-        A file is read in a process of its own, which cannot take this one down.
+        A file is read in a process of its own, which cannot take this one down, or taken from the cache if it was
+        read before and has not changed (nofacet.cache).
     timeout: seconds that reading a file may take, math.inf for no limit.
     progress: called once a second with a line of text while a file is read; True: write it to standard error.
     measure: compare every patch with OpenCascade's surface and every edge with the curve that trims, and fill
@@ -35,7 +38,7 @@ def load(
     if isinstance(source, (str, os.PathLike)):
         path = os.fsdecode(source)
         file_format(path)  # refuses at once what needs no OpenCascade to be refused
-        return read_in_worker(path, timeout, write_progress if progress is True else progress or None, measure)
+        return _file(path, timeout, write_progress if progress is True else progress or None, measure)
     from nofacet.cad.convert import convert
     from nofacet.cad.objects import cad_object
 
@@ -45,6 +48,18 @@ def load(
         from nofacet.cad.measure import measured
 
         model = measured(shape, model)
+    return model
+
+
+def _file(path: str, timeout: float, progress: Callable[[str], None] | None, measure: bool) -> Model:
+    """The model of a file: kept from an earlier reading, or read and then kept."""
+    name = cache.name_of(path, measure)
+    model = cache.find(name) if name else None
+    if model is not None:
+        return replace(model, source=path)
+    model = read_in_worker(path, timeout, progress, measure)
+    if name and name == cache.name_of(path, measure):  # else the file has changed meanwhile
+        cache.keep(name, model)
     return model
 
 

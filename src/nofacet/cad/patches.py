@@ -11,18 +11,17 @@ converted together.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _native
 from ..model import PatchGroup
-from .bspline import KnotVectors, Spans, bezier_points, knot_vectors, knots_and_poles, ranges, spans
-from .curves import ANGLE_LIMIT, cut_evenly, pieces, pole_columns, unit_arcs
-from .geometry import CURVES, KNOTS, SURFACES
-from .records import BEZIER_NET, BEZIER_SURFACE, CIRCLE, ELLIPSE, SPLINE_NET, Surfaces, gather, gather_reals, joined
-from .tables import Index, expand, expand_runs, offsets_of
+from .curves import ANGLE_LIMIT, cut_evenly, pieces, unit_arcs
+from .geometry import CURVES, SURFACES
+from .records import BEZIER_SURFACE, CIRCLE, ELLIPSE, Surfaces, gather_reals
+from .tables import Index, expand, offsets_of
 
 Array = NDArray[np.float64]
 
@@ -149,17 +148,9 @@ class PatchBuilder:
             self.add_patches(points, definition[owner], domain, angular)
 
     def _splines(self, definition: Index, surfaces: Surfaces, which: Index, boxes: Array) -> None:
-        distinct, net = np.unique(which, return_inverse=True)
-        nets = _nets(surfaces, distinct, net, boxes)
-        u = spans(nets.vectors[0], net, boxes[:, 0], boxes[:, 1])
-        v = spans(nets.vectors[1], net, boxes[:, 2], boxes[:, 3])
-        iu, iv = pairs(u.owner, v.owner, len(net))
-        domain = np.stack([u.start[iu], u.stop[iu], v.start[iv], v.stop[iv]], axis=1)
-        kinds = np.column_stack([nets.rational, nets.vectors[0].degree, nets.vectors[1].degree])
-        for kind in np.unique(kinds, axis=0).tolist():
-            rows = np.flatnonzero((kinds == kind).all(axis=1)[u.spline[iu]])
-            points = _net_points(nets, bool(kind[0]), u, v, iu[rows], iv[rows])
-            self.add_patches(points, definition[u.owner[iu[rows]]], domain[rows])
+        bezier = bool(surfaces.kind[which[0]] == BEZIER_SURFACE)
+        for owner, domain, points in _native.spline_patches(surfaces.data, bezier, surfaces.at[which], boxes):
+            self.add_patches(points, definition[owner], domain)
 
 
 def pairs(u_owner: Index, v_owner: Index, count: int) -> tuple[Index, Index]:
@@ -175,60 +166,3 @@ def _frames(numbers: Array) -> list[Array]:
 
 def _angular(surfaces: Surfaces, profile: Index) -> NDArray[np.bool_]:
     return np.isin(surfaces.profiles.kind[profile], [CIRCLE, ELLIPSE])
-
-
-@dataclass(frozen=True)
-class _Nets:
-    """Control nets of n B-spline surfaces: poles (3, P) of those that are not rational, (4, Q), homogeneous, of those
-    that are; the net of surface k being sizes[k] = (nu, nv) from column first[k], v running faster. vectors: knots in u
-    and in v."""
-
-    rational: NDArray[np.bool_]
-    poles: list[Array]
-    first: Index
-    sizes: Index
-    vectors: list[KnotVectors]
-
-
-def _nets(surfaces: Surfaces, which: Index, net: Index, boxes: Array) -> _Nets:
-    """The nets of surfaces `which`, all B-splines or all Bezier; boxes (m, 4) of the nets (m,)."""
-    is_bezier = surfaces.kind[which[0]] == BEZIER_SURFACE
-    headers = gather(surfaces.data, surfaces.at[which], BEZIER_NET if is_bezier else SPLINE_NET)
-    rational, degree = np.asarray(headers["rational"].any(axis=1)), headers["degree"].astype(np.intp)
-    sizes = degree + 1 if is_bezier else headers["poles"].astype(np.intp)
-    at = surfaces.at[which] + headers.dtype.itemsize
-    size = 8 * (3 + rational) * sizes.prod(axis=1)
-    poles, first = pole_columns(surfaces.data, at, size, 3, rational)
-    at = at + size
-    vectors = []
-    for axis in (0, 1):
-        if is_bezier:
-            knots = np.zeros(2 * len(which), KNOTS)
-            knots["knot"][1::2], knots["multiplicity"] = 1.0, np.repeat(degree[:, axis] + 1, 2)
-            counts, periodic = np.full(len(which), 2), np.zeros(len(which), bool)
-        else:
-            counts, periodic = headers["knots"][:, axis].astype(np.intp), headers["periodic"][:, axis]
-            knots = joined(surfaces.data, at, KNOTS.itemsize * counts, KNOTS)
-            at = at + KNOTS.itemsize * counts
-        wanted = ranges(net, boxes[:, 2 * axis], boxes[:, 2 * axis + 1])
-        vectors.append(knot_vectors(degree[:, axis], knots, counts, periodic, *wanted))
-    return _Nets(rational, poles, first, sizes, vectors)
-
-
-def _net_points(nets: _Nets, rational: bool, u: Spans, v: Spans, iu: Index, iv: Index) -> Array:
-    """Control points (m, du + 1, dv + 1, 4) of patches of one bidegree over spans iu (m,) of u and iv (m,) of v."""
-    du, dv = (int(vectors.degree[u.spline[iu[0]]]) for vectors in nets.vectors)
-    own_v, piece_v = np.unique(iv, return_inverse=True)
-    knots_v, column = knots_and_poles(nets.vectors[1], v, own_v, dv)
-    knots_u, row = knots_and_poles(nets.vectors[0], u, iu, du)
-    rows_of_piece = nets.sizes[v.spline[own_v], 0]  # blossom in v first: in every row of poles
-    piece, i = expand_runs(np.zeros(len(own_v), np.intp), rows_of_piece)
-    spline, own = v.spline[own_v][piece], own_v[piece]
-    first = nets.first[spline] + i * nets.sizes[spline, 1]
-    strips = nets.poles[rational][:, first + column[:, piece]]
-    strips = bezier_points(strips, knots_v[:, piece], v.start[own], v.stop[own])
-    net = strips[:, :, offsets_of(rows_of_piece)[piece_v] + row]  # (3 or 4, dv + 1, du + 1, m)
-    net = bezier_points(net, knots_u, u.start[iu], u.stop[iu])
-    points = np.ones((len(iu), du + 1, dv + 1, 4))
-    points[..., : len(net)] = net.transpose(3, 2, 1, 0)
-    return points

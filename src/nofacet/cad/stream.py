@@ -2,15 +2,15 @@
 
 Asking OpenCascade pole by pole costs microseconds a call; its own binary serialisation (BinTools, format version 4)
 writes everything in milliseconds, and this module reads those bytes into tables. The format is little-endian and
-packed: text section headers ("Curves 12") followed by binary records of many sizes. One pass over the bytes finds where
-each record starts; numpy then reads all records of one kind together. The format is defined by what BinTools writes
+packed: text section headers ("Curves 12") followed by binary records of many sizes. One pass over the bytes in C++
+(src/native/extract/stream_scan.h) finds where each record starts; numpy then reads all curves or surfaces of one kind
+together. The format is defined by what BinTools writes
 (OpenCascade 7.6 and later), so the version is pinned and the header line checked.
 """
 
 from __future__ import annotations
 
 import io
-import re
 from dataclasses import dataclass
 from struct import Struct
 from struct import error as StructError
@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _native
 from ..errors import InputError
 from .locations import Location, Locations
-from .records import Curves, Index, Surfaces, gather, gather_reals, scan_curves, scan_surfaces
-from .tables import expand_runs, offsets_of
+from .records import Curves, Index, Surfaces, gather_reals, scan_curves, scan_surfaces
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -120,7 +120,9 @@ def parse(data: bytes) -> Stream:
         raise InputError(f"OpenCascade wrote an unknown binary format {data[:45]!r}: this version cannot be read")
     try:
         return _parse(data)
-    except (IndexError, StructError) as problem:
+    except InputError:
+        raise
+    except (IndexError, ValueError, StructError) as problem:
         raise InputError("OpenCascade's binary format has parts this version does not know") from problem
 
 
@@ -143,20 +145,21 @@ def _parse(data: bytes) -> Stream:
         triangulation, at = _triangulation(data, at)
         triangulations.append(triangulation)
     count, at = _section(data, at, b"TShapes")
-    scan = _scan_shapes(data, at, count)
-    if scan.end + _REFERENCE.itemsize != len(data):
+    kinds, children, faces, edges, pcurves, at = _native.scan_shapes(data, at, count)
+    if at + _REFERENCE.size != len(data):
         raise InputError("OpenCascade's binary format has parts this version does not know")
-    orientation, shape, location = gather(data, np.array([scan.end]), _REFERENCE)[0].tolist()
+    orientation, shape, location = _REFERENCE.unpack_from(data, at)
     return Stream(
         locations,
         curves2d,
         curves,
         surfaces,
         triangulations,
-        np.array(scan.kinds, np.uint8),
-        _references(data, scan),
-        _faces(data, scan),
-        *_edges(data, scan),
+        kinds,
+        References(*children),
+        Faces(*faces),
+        Edges(*edges),
+        PCurves(*pcurves),
         (orientation, count + 1 - shape, location),
     )
 
@@ -173,6 +176,7 @@ def _section(data: bytes, at: int, name: bytes) -> tuple[int, int]:
 
 
 _INT, _PAIR, _SIZES = Struct("<i"), Struct("<ii"), Struct("<iiBB")
+_REFERENCE = Struct("<Bii")  # orientation, shape, location
 
 
 def _locations(data: bytes, at: int, count: int) -> tuple[Locations, int]:
@@ -203,119 +207,3 @@ def _triangulation(data: bytes, at: int) -> tuple[tuple[Array, NDArray[np.int32]
     at += 24 * nodes + (16 * nodes if has_uv else 0)
     corners = np.frombuffer(data, "<i4", 3 * triangles, at).reshape(triangles, 3) - 1
     return (points, corners), at + 12 * triangles + (12 * nodes if has_normals else 0)
-
-
-@dataclass
-class _Scan:
-    """Where the records of the shapes start: faces, edges, edges' representations; by shape index how many of those lie
-    before it, and where its references to sub-shapes begin and end."""
-
-    kinds: list[int]
-    references: list[int]
-    reference_ends: list[int]
-    faces: list[int]
-    edges: list[int]
-    representations: list[int]
-    representation_offsets: list[int]
-    end: int = 0
-
-
-_CURVE, _PCURVE, _SEAM, _CONTINUITY = 1, 2, 3, 4  # kinds of an edge's representations
-_REPRESENTATION_SIZES = (0, 25, 29, 34, 18)
-_POINT_SIZES = (0, 17, 21, 25)  # of a vertex's representations
-_REFERENCES = re.compile(rb"(?:[\x00-\x03].{8})*\*", re.DOTALL)  # orientation, shape, location; '*' ends the list
-
-
-def _scan_shapes(data: bytes, at: int, count: int) -> _Scan:
-    scan = _Scan([0], [0], [0], [], [], [], [0, 0])
-    kinds, references, reference_ends = scan.kinds, scan.references, scan.reference_ends
-    representations, representation_offsets = scan.representations, scan.representation_offsets
-    for _ in range(count):
-        kind = data[at]
-        kinds.append(kind)
-        if kind == EDGE:
-            scan.edges.append(at + 1)
-            at += 12
-            while representation := data[at]:
-                representations.append(at)
-                at += _REPRESENTATION_SIZES[representation]
-            at += 1
-        elif kind == VERTEX:
-            at += 33  # tolerance, point
-            while point := data[at]:
-                at += _POINT_SIZES[point]
-            at += 1
-        elif kind == FACE:
-            scan.faces.append(at + 10)  # after natural restriction flag and tolerance
-            at += 23 if data[at + 18] == 2 else 19
-        else:
-            at += 1
-        at += 7  # flags: free, modified, checked, orientable, closed, infinite, convex
-        references.append(at)
-        ending = _REFERENCES.match(data, at)
-        if ending is None:
-            raise InputError(f"OpenCascade's binary format has a shape of kind {kind} that cannot be read")
-        at = ending.end()
-        reference_ends.append(at - 1)
-        representation_offsets.append(len(representations))
-    scan.end = at
-    return scan
-
-
-_REFERENCE = np.dtype([("orientation", "u1"), ("shape", "<i4"), ("location", "<i4")])
-_FACE = np.dtype([("surface", "<i4"), ("location", "<i4"), ("has", "u1"), ("triangulation", "<i4")])
-_EDGE = np.dtype([("tolerance", "<f8"), ("same_parameter", "u1"), ("same_range", "u1"), ("degenerated", "u1")])
-_RANGE = [("first", "<f8"), ("last", "<f8")]
-_PLACE = [("surface", "<i4"), ("location", "<i4"), *_RANGE]
-_REPRESENTATIONS = {
-    _CURVE: np.dtype([("kind", "u1"), ("curve", "<i4"), ("location", "<i4"), *_RANGE]),
-    _PCURVE: np.dtype([("kind", "u1"), ("curve", "<i4"), *_PLACE]),
-    _SEAM: np.dtype([("kind", "u1"), ("curve", "<i4"), ("second", "<i4"), ("continuity", "u1"), *_PLACE]),
-}
-
-
-def _references(data: bytes, scan: _Scan) -> References:
-    start, size = np.array(scan.references), _REFERENCE.itemsize
-    counts = (np.array(scan.reference_ends) - start) // size
-    owner, place = expand_runs(np.zeros(len(counts), np.intp), counts)
-    records = gather(data, start[owner] + size * place, _REFERENCE)
-    shape = len(scan.kinds) - records["shape"].astype(np.intp)
-    return References(offsets_of(counts), records["orientation"], shape, records["location"].astype(np.intp))
-
-
-def _faces(data: bytes, scan: _Scan) -> Faces:
-    which = np.flatnonzero(np.array(scan.kinds) == FACE)
-    records = gather(data, np.array(scan.faces, np.intp), _FACE)
-    columns = np.zeros((3, len(scan.kinds)), np.intp)
-    for column, name in zip(columns, ("surface", "location", "triangulation"), strict=True):
-        column[which] = records[name]
-    columns[2][which[records["has"] != 2]] = 0
-    return Faces(*columns)
-
-
-def _edges(data: bytes, scan: _Scan) -> tuple[Edges, PCurves]:
-    count = len(scan.kinds)
-    at = np.array(scan.representations, np.intp)
-    kinds = np.frombuffer(data, np.uint8)[at]
-    offsets = np.array(scan.representation_offsets)
-    owner = np.repeat(np.arange(count), np.diff(offsets))
-
-    is_edge = np.array(scan.kinds) == EDGE
-    records = gather(data, np.array(scan.edges, np.intp), _EDGE)
-    edges = Edges(np.zeros(count), np.zeros(count, bool), *np.zeros((2, count), np.intp), *np.zeros((2, count)))
-    edges.tolerance[is_edge], edges.degenerated[is_edge] = records["tolerance"], records["degenerated"] != 0
-    is_curve = kinds == _CURVE
-    records = gather(data, at[is_curve], _REPRESENTATIONS[_CURVE])
-    for name in ("curve", "location", "first", "last"):
-        getattr(edges, name)[owner[is_curve]] = records[name]
-
-    on_surface = (kinds == _PCURVE) | (kinds == _SEAM)
-    at, kinds = at[on_surface], kinds[on_surface]
-    before = np.append(0, np.cumsum(on_surface))
-    pcurves = PCurves(before[offsets], *np.zeros((4, len(at)), np.intp), *np.zeros((2, len(at))))
-    for kind in (_PCURVE, _SEAM):
-        records = gather(data, at[kinds == kind], _REPRESENTATIONS[kind])
-        for name in records.dtype.names or ():
-            if name not in ("kind", "continuity"):
-                getattr(pcurves, name)[kinds == kind] = records[name]
-    return edges, pcurves

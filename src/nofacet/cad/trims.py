@@ -13,25 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .chains import Stretch, chain_face
-from .corners import NARROWEST, WIDEST, weld
 from .edges import EdgeUses, Segments, edge_uses, segments
+from .geometry import SURFACES
 from .loops import (
-    Joints,
     Loops,
     Ordered,
     ParameterSpace,
     Runs,
-    as_list,
-    as_runs,
     bounding_boxes,
-    from_lists,
-    joints,
+    closed,
+    corner_gaps,
     order_uses,
     rectangles,
-    replaced,
     runs,
-    welded,
-    without,
+    use_ends,
 )
 from .stream import Stream
 from .surfaces import INFINITE, collapsed, natural_bounds, periods
@@ -39,6 +34,7 @@ from .tables import Index
 
 Array = NDArray[np.float64]
 
+_WITH_POLES = [SURFACES.index(kind) for kind in ("cone", "sphere", "torus", "revolution")]
 _WIDE = 1e-3  # gap in a loop, in parts of its wire's extent, that may be the place of a period
 
 
@@ -75,45 +71,42 @@ def trim(stream: Stream, faces: Index) -> Trims:
         boxes[k] = natural_bounds(stream.surfaces[int(stream.faces.surface[faces[k]])])
         if not np.abs(boxes[k]).max() < INFINITE:
             problems[k] = "it has no edges, and its surface has no end"
-    gaps = joints(order, boxes)
-    loops = welded(order, curves, gaps)
-    if problems:
-        loops = without(loops, np.array(list(problems)))
-    loops = _with_corners(stream, faces, loops, boxes, order, curves, gaps)
+    kept = np.ones(len(faces), bool)
+    kept[list(problems)] = False
+    loops, boxes = closed(order, curves, boxes, kept, _at_poles(stream, faces, order, curves, boxes))
     return Trims(loops, boxes, bare | rectangles(loops, boxes), problems, incomplete.tolist())
 
 
-def _with_corners(
-    stream: Stream, faces: Index, loops: Loops, boxes: Array, order: Runs, curves: Segments, gaps: Joints
-) -> Loops:
-    """The loops with those gaps that are corners closed as such; the boxes of their faces are brought up to date."""
-    loop_of_segment = np.repeat(np.arange(len(order.face)), np.diff(order.loop_offsets))
-    corners = gaps.is_open & ~gaps.small & (gaps.width >= NARROWEST) & (gaps.width <= WIDEST)
-    changed = np.intersect1d(order.face[loop_of_segment[corners]], loops.face)
-    if not len(changed):
-        return loops
-    closed = []
-    spaces: dict[int, ParameterSpace] = {}
-    for loop in np.flatnonzero(np.isin(order.face, changed)).tolist():
-        face = int(order.face[loop])
-        width, height = boxes[face, 1] - boxes[face, 0], boxes[face, 3] - boxes[face, 2]
-        surface = int(stream.faces.surface[faces[face]])
-        if surface not in spaces:
-            spaces[surface] = _space(stream, surface)
-        closed.append((face, weld(as_list(order, curves, loop), float(width), float(height), spaces[surface])))
-    new = from_lists(closed)
-    boxes[changed] = bounding_boxes(*as_runs(new), len(faces))[changed]
-    return replaced(loops, new)
+def _at_poles(stream: Stream, faces: Index, order: Runs, curves: Segments, boxes: Array) -> NDArray[np.bool_]:
+    """Whether the gap behind each segment (S,) that may be a corner is a missing edge along a pole instead."""
+    result = np.zeros(len(order.segment), bool)
+    before = corner_gaps(order, curves, boxes)
+    loop = np.searchsorted(order.loop_offsets, before, side="right") - 1
+    surface = stream.faces.surface[faces[order.face[loop]]]
+    chosen = np.flatnonzero(np.isin(stream.surfaces.kind[surface], _WITH_POLES))
+    if not len(chosen):
+        return result
+    before, loop = before[chosen], loop[chosen]
+    after = np.where(before + 1 == order.loop_offsets[loop + 1], order.loop_offsets[loop], before + 1)
+    ends = np.stack([_end_heights(order, curves, before, 1), _end_heights(order, curves, after, 0)], axis=1)
+    surfaces = {index: stream.surfaces[index] for index in set(surface[chosen].tolist())}
+    for place, index, heights in zip(before.tolist(), surface[chosen].tolist(), ends.tolist(), strict=True):
+        result[place] = any(collapsed(surfaces[index], 1, v) for v in heights)
+    return result
+
+
+def _end_heights(order: Runs, curves: Segments, which: Index, end: int) -> Array:
+    """v (n,) where the segments `which` (n,) of loops start (end 0) or end (1)."""
+    segment = order.segment[which]
+    at_last = order.backwards[which] != (end == 1)
+    point = curves.first_point[segment] + np.where(at_last, curves.degree[segment], 0)
+    return np.asarray(curves.points[point, 1] + order.shift[which, 1])
 
 
 def _runs(stream: Stream, faces: Index, uses: EdgeUses) -> tuple[Segments, Runs, dict[int, str]]:
     """All segments, their order in loops, and the faces that cannot have loops, with the reason."""
     curves = segments(stream, faces, uses)
-    first, last = curves.offsets[:-1], curves.offsets[1:] - 1
-    start = curves.points[curves.first_point[first], :2]
-    end = curves.points[curves.first_point[last] + curves.degree[last], :2]
-    start, end = np.where(uses.reversed[:, None], end, start), np.where(uses.reversed[:, None], start, end)
-    size = _extents(uses, curves)
+    start, end, size = use_ends(uses.wire, uses.reversed, curves)
     ordered = order_uses(uses.wire, start, end, size)
     difficult = _difficult(stream, faces, uses, ordered, start, end, size)
     easy = ~np.isin(uses.face[ordered.use], difficult)
@@ -132,20 +125,6 @@ def _runs(stream: Stream, faces: Index, uses: EdgeUses) -> tuple[Segments, Runs,
     against = np.append(uses.reversed, np.zeros(link_count, bool))[use]
     edge = np.append(_edge_numbers(stream, uses), np.full(link_count, -1))[use]
     return curves, runs(curves, face, loop, use, against, shift, edge), problems
-
-
-def _extents(uses: EdgeUses, curves: Segments) -> Array:
-    """For each use the extent (U, 2) of its wire, by the ends of the wire's segments; nowhere zero."""
-    ends = curves.points[np.stack([curves.first_point, curves.first_point + curves.degree]), :2]
-    wire = uses.wire
-    first = np.flatnonzero(np.append(True, wire[1:] != wire[:-1])[: len(wire)])
-    if not len(first):
-        return np.empty((0, 2))
-    runs = curves.offsets[first]
-    size = np.maximum.reduceat(ends.max(axis=0), runs) - np.minimum.reduceat(ends.min(axis=0), runs)
-    largest = size.max(axis=1, keepdims=True)
-    size = np.where(size > 0, size, np.where(largest > 0, largest, 1.0))
-    return np.repeat(size, np.diff(np.append(first, len(wire))), axis=0)
 
 
 def _difficult(

@@ -1,0 +1,23 @@
+// A net in powers of a - 1/2 and b - 1/2, for fast evaluation.
+#pragma once
+#include <vector>
+
+#include "bezier/net.h"
+
+namespace nofacet {
+
+// points[(i * (m + 1) + j) * 4 + component]: coefficient of (a - 1/2)^i (b - 1/2)^j of X - x W, Y - y W, W and
+// Z - key W, where (x, y, key) is the centre: what is subtracted costs no digits later.
+struct CentredNet {
+  int n, m;
+  const double* points;
+  double x, y, key;
+  // The net's rounding errors in x and y are within about this (in their units): 2^(n + m) units in the last place of
+  // the distance from the centre, the sum of the conversion's coefficients.
+  double error;
+};
+
+// `storage` holds the coefficients. All weights must be positive.
+CentredNet centre_net(const Net& net, std::vector<double>& storage);
+
+}  // namespace nofacet

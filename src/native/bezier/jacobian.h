@@ -1,0 +1,36 @@
+// The screen Jacobian of a patch as a Bernstein form of its own, and how it turns along scan planes.
+#pragma once
+#include "bezier/net.h"
+
+namespace nofacet {
+
+// Degrees (n, m) up to which these forms are small enough to be carried along.
+inline constexpr int kMaxJacobianDegree = 3;
+
+// Scalar Bernstein form: coefficients[i * (m + 1) + j].
+struct Grid {
+  int n = 0, m = 0;
+  double* coefficients = nullptr;
+
+  std::size_t size() const { return std::size_t(n + 1) * (m + 1); }
+};
+
+// Degrees of the two forms below. With weights that differ, J stands for its numerator det(P, P_a, P_b) of
+// homogeneous points (X, Y, W), which is J W^3; the derivatives of y stand for theirs, y_a W^2 and y_b W^2.
+struct JacobianDegrees {
+  int j_n, j_m, turn_n, turn_m;
+
+  JacobianDegrees(int n, int m, bool rational)
+      : j_n(rational ? 3 * n - 1 : 2 * n - 1),
+        j_m(rational ? 3 * m - 1 : 2 * m - 1),
+        turn_n(j_n - 1 + (rational ? 2 * n : n)),
+        turn_m(j_m + (rational ? 2 * m - 1 : m - 1)) {}
+};
+
+// Writes J; `out` has the degrees for it.
+void jacobian_form(const Net& net, bool rational, Grid out);
+// Writes J_a y_b - J_b y_a, which has the sign of dJ along the curves y = const, once y_b is positive. Returns the size
+// of its terms: its rounding errors are within about 1e-15 of that.
+double turn_form(const Net& net, bool rational, const Grid& jacobian, Grid out);
+
+}  // namespace nofacet

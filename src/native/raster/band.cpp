@@ -1,0 +1,271 @@
+#include "raster/band.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raster/fill.h"
+
+namespace nofacet {
+namespace {
+
+// Length of the longest stretch of x that one of two planes covers and the other does not.
+double longest_difference(const std::vector<Interval>& p, const std::vector<Interval>& q) {
+  double longest = 0.0, x = 0.0;
+  bool in_p = false, in_q = false;
+  std::size_t k = 0, l = 0;  // next border of p and q: even index enters, odd leaves
+  const auto border = [](const std::vector<Interval>& list, std::size_t index) {
+    return index % 2 == 0 ? list[index / 2].lo : list[index / 2].hi;
+  };
+  while (k < 2 * p.size() || l < 2 * q.size()) {
+    const bool from_p = l >= 2 * q.size() || (k < 2 * p.size() && border(p, k) <= border(q, l));
+    const double next = from_p ? border(p, k) : border(q, l);
+    if (in_p != in_q) longest = std::max(longest, next - x);
+    x = next;
+    if (from_p) {
+      in_p = !in_p, ++k;
+    } else {
+      in_q = !in_q, ++l;
+    }
+  }
+  return longest;
+}
+
+}  // namespace
+
+BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes,
+                         FramePatches& patches, int thread, const Frame& frame)
+    : scene_(scene),
+      camera_(camera),
+      planes_(planes),
+      patches_(patches),
+      thread_(thread),
+      frame_(frame),
+      visibility_(camera, patches.depth_tie()),
+      average_(scene, camera, frame, visibility_) {}
+
+void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& patches) {
+  first_row_ = first_row, end_row_ = end_row;
+  band_patches_ = &patches;
+  watch_.restart();
+  lay_planes();
+  cut_patches();
+  watch_.lap(times_.visibility);
+  if (planes_.centre()) solve_values();
+  watch_.lap(times_.shade);
+  if (!frame_.color && !frame_.coverage) return;
+  for (int row = first_row; row < end_row; ++row) {
+    weigh_planes(row);
+    average_.average(row, planes_.centre() ? front(row) : row_lines_[1]->segments, weighted_);
+  }
+  watch_.lap(times_.average);
+}
+
+// The band's planes from top to bottom: of each row the sample planes with the centre plane among them, and, where
+// level edges are located, the neighbouring rows' nearest.
+void BandPainter::lay_planes() {
+  plane_y_.clear();
+  const int samples = planes_.samples();
+  if (planes_.locates_level_edges()) plane_y_.push_back(planes_.sample_y(int64_t(first_row_) * samples - 1));
+  for (int row = first_row_; row < end_row_; ++row) {
+    for (int k = 0; k <= samples; ++k) {
+      if (planes_.centre() && !planes_.centre_is_sample() && k == samples / 2) plane_y_.push_back(planes_.centre_y(row));
+      if (k < samples) plane_y_.push_back(planes_.sample_y(int64_t(row) * samples + k));
+    }
+  }
+  if (planes_.locates_level_edges()) plane_y_.push_back(planes_.sample_y(int64_t(end_row_) * samples));
+  if (lines_.size() < plane_y_.size()) lines_.resize(plane_y_.size());
+  for (std::size_t k = 0; k < plane_y_.size(); ++k) lines_[k].clear(plane_y_[k]);
+}
+
+int BandPainter::planes_per_row() const {
+  return planes_.samples() + (planes_.centre() && !planes_.centre_is_sample() ? 1 : 0);
+}
+
+int BandPainter::centre_plane(int row) const {
+  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + planes_.samples() / 2;
+}
+
+// k from -1 (the last one of the row above) to `samples` (the first one of the row below).
+int BandPainter::sample_plane(int row, int k) const {
+  const int samples = planes_.samples();
+  if (k < 0) return sample_plane(row - 1, samples - 1);
+  if (k >= samples) return sample_plane(row + 1, 0);
+  const int after_centre = planes_per_row() > samples && k >= samples / 2 && row >= first_row_ && row < end_row_ ? 1 : 0;
+  if (row < first_row_) return 0;
+  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + k + after_centre;
+}
+
+void BandPainter::cut_patches() {
+  spans_.reuse();
+  order_ = 0;
+  for (const int32_t index : *band_patches_) {
+    const PlacedPatch& patch = patches_.patches()[index];
+    const auto [first, last] = planes_in(patch.y);
+    if (first == last || hidden(patch.x, patch.key.lo, first, last)) continue;
+    watch_.lap(times_.visibility);
+    const auto [piece, end] = patches_.pieces(index, thread_);
+    watch_.lap(times_.subdivide);
+    for (const Piece* p = piece; p != end; ++p) cut_piece(*p);
+  }
+}
+
+void BandPainter::cut_piece(const Piece& piece) {
+  const auto [first, last] = planes_in(piece.y);
+  if (first == last || hidden(piece.x, piece.key.lo, first, last)) return;
+  watch_.lap(times_.visibility);
+  made_.clear();
+  maker_.append(piece, plane_y_.data() + first, last - first, first, camera_.width, made_);
+  watch_.lap(times_.spans);
+  insert_spans(piece, lines_.data());
+}
+
+// The planes [first, second) of the band that lie in y.
+std::pair<int, int> BandPainter::planes_in(Interval y) const {
+  const auto first = std::lower_bound(plane_y_.begin(), plane_y_.end(), y.lo);
+  const auto last = std::upper_bound(first, plane_y_.end(), y.hi);
+  return {int(first - plane_y_.begin()), int(last - plane_y_.begin())};
+}
+
+// Whether the planes [first, last) show something nearer all over the range of x.
+bool BandPainter::hidden(Interval x, double nearest, int first, int last) const {
+  const double x0 = std::max(x.lo, 0.0), x1 = std::min(x.hi, double(camera_.width));
+  for (int plane = first; plane < last; ++plane) {
+    if (!lines_[plane].hides(x0, x1, nearest - visibility_.tie(nearest))) return false;
+  }
+  return true;
+}
+
+// Hands the spans just made to their lines.
+void BandPainter::insert_spans(const Piece& piece, ScanLine* lines) {
+  if (made_.empty()) return;
+  ++order_;
+  Span* kept = spans_.take(made_.size());
+  std::copy(made_.begin(), made_.end(), kept);
+  const bool opaque = scene_.model.face_color[4 * std::size_t(piece.face) + 3] >= 1.0f;
+  for (Span *span = kept, *end = kept + made_.size(); span != end; ++span) {
+    span->order = order_ - 1;
+    ScanLine& line = lines[span->plane];
+    if (opaque) {
+      visibility_.insert(*span, line.segments);
+    } else {
+      line.transparent.push_back(span);
+    }
+  }
+}
+
+// What is visible at the row's centre plane, transparent or not.
+const std::vector<VisibleSegment>& BandPainter::front(int row) {
+  const ScanLine& line = lines_[centre_plane(row)];
+  if (line.transparent.empty()) return line.segments;
+  front_ = line.segments;
+  for (const Span* span : line.transparent) visibility_.insert(*span, front_);
+  return front_;
+}
+
+// Pixels are solved piece by piece, so that what a piece needs is at hand.
+void BandPainter::solve_values() {
+  jobs_.clear();
+  for (int row = first_row_; row < end_row_; ++row) collect_jobs(row);
+  job_starts_.assign(order_ + 1, 0);
+  for (const PixelJob& job : jobs_) ++job_starts_[job.span->order + 1];
+  for (int32_t k = 0; k < order_; ++k) job_starts_[k + 1] += job_starts_[k];
+  sorted_.resize(jobs_.size());
+  for (const PixelJob& job : jobs_) sorted_[job_starts_[job.span->order]++] = job;
+  hard_.clear();
+  for (std::size_t first = 0, last = 0; first < sorted_.size(); first = last) {
+    const Piece* piece = sorted_[first].span->piece;
+    while (last < sorted_.size() && sorted_[last].span->piece == piece) ++last;
+    solve_pixels(scene_, camera_, frame_, *piece, sorted_.data() + first, last - first, hard_);
+  }
+  for (const HardPixel& pixel : hard_) solve_hard_pixel(scene_, camera_, frame_, pixel);
+}
+
+void BandPainter::collect_jobs(int row) {
+  int next = 0;
+  for (const VisibleSegment& segment : front(row)) {
+    const int first = first_pixel(segment.x0, frame_.width), last = first_pixel(segment.x1, frame_.width);
+    if (first >= last) continue;
+    fill_background(row, next, first);
+    jobs_.push_back({segment.span, row, first, last});
+    next = last;
+  }
+  fill_background(row, next, frame_.width);
+}
+
+void BandPainter::fill_background(int row, int first, int last) const {
+  if (first >= last) return;
+  const std::size_t at = std::size_t(row) * frame_.width + first, count = last - first;
+  if (frame_.depth) fill(frame_.depth + at, count, INFINITY);
+  if (frame_.face) fill(frame_.face + at, count, -1);
+  if (frame_.color) fill(frame_.color + 4 * at, 4 * count, 0.0f);
+  if (frame_.uv) fill(frame_.uv + 2 * at, 2 * count, 0.0);
+  if (frame_.normal) fill(frame_.normal + 3 * at, 3 * count, 0.0f);
+}
+
+// The lines that the row is averaged over, each for the strip of the row that is nearest to it.
+void BandPainter::weigh_planes(int row) {
+  const int samples = planes_.samples();
+  row_lines_.clear();
+  level_count_ = 0;
+  ScanLine bounds[2];  // the neighbouring rows' lines, where only their y matters
+  if (planes_.locates_level_edges()) {
+    row_lines_.push_back(&lines_[sample_plane(row, -1)]);
+    for (int k = 0; k <= samples; ++k) {
+      const ScanLine& next = lines_[sample_plane(row, k)];
+      locate_level_edges(*row_lines_.back(), next);
+      row_lines_.push_back(&next);
+    }
+  } else {
+    bounds[0].y = planes_.sample_y(int64_t(row) * samples - 1);
+    bounds[1].y = planes_.sample_y(int64_t(row + 1) * samples);
+    row_lines_.push_back(&bounds[0]);
+    for (int k = 0; k < samples; ++k) row_lines_.push_back(&lines_[sample_plane(row, k)]);
+    row_lines_.push_back(&bounds[1]);
+  }
+  weighted_.clear();
+  for (std::size_t k = 1; k + 1 < row_lines_.size(); ++k) {
+    const double y = row_lines_[k]->y - kSampleShiftY;
+    const double above = 0.5 * (y + row_lines_[k - 1]->y - kSampleShiftY);
+    const double below = 0.5 * (y + row_lines_[k + 1]->y - kSampleShiftY);
+    const double weight = std::min(below, row + 1.0) - std::max(above, double(row));
+    if (weight > 0.0) weighted_.push_back({row_lines_[k], weight});
+  }
+}
+
+// A level edge hides or shows a stretch of x at once, and no number of equal strips places it well: halve the gap
+// between the planes until it lies in a strip of 1 / kLevelSteps.
+void BandPainter::locate_level_edges(const ScanLine& above, const ScanLine& below) {
+  constexpr double kLevelRun = 2.0;  // pixels; shorter stretches are no worse placed than slanted outlines
+  above.covered(camera_.width, covered_above_);
+  below.covered(camera_.width, covered_below_);
+  if (longest_difference(covered_above_, covered_below_) < kLevelRun) return;
+  const double y = ScanPlanes::level_y(ScanPlanes::level_step(0.5 * (above.y + below.y)));
+  if (!(y > above.y && y < below.y)) return;
+  const ScanLine& middle = cut_level(y);
+  locate_level_edges(above, middle);
+  row_lines_.push_back(&middle);
+  locate_level_edges(middle, below);
+}
+
+const ScanLine& BandPainter::cut_level(double y) {
+  if (level_count_ == level_lines_.size()) level_lines_.emplace_back();
+  ScanLine& line = level_lines_[level_count_++];
+  line.clear(y);
+  const auto hides = [&](Interval x, double nearest) {
+    return line.hides(std::max(x.lo, 0.0), std::min(x.hi, double(camera_.width)), nearest - visibility_.tie(nearest));
+  };
+  for (const int32_t index : *band_patches_) {
+    const PlacedPatch& patch = patches_.patches()[index];
+    if (!(patch.y.lo <= y && y <= patch.y.hi) || hides(patch.x, patch.key.lo)) continue;
+    const auto [piece, end] = patches_.pieces(index, thread_);
+    for (const Piece* p = piece; p != end; ++p) {
+      if (!(p->y.lo <= y && y <= p->y.hi) || hides(p->x, p->key.lo)) continue;
+      made_.clear();
+      maker_.append(*p, &y, 1, 0, camera_.width, made_);
+      insert_spans(*p, &line);
+    }
+  }
+  return line;
+}
+
+}  // namespace nofacet

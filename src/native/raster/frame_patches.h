@@ -1,0 +1,62 @@
+// The patches of one frame: where each lies on the screen, and its pieces, made when a band of rows first needs them.
+#pragma once
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "raster/piece.h"
+
+namespace nofacet {
+
+// A patch of a face, where the face stands, with bounds on the screen.
+struct PlacedPatch {
+  int32_t face;
+  const Scene::PatchRef* patch;
+  Interval x, y;    // pixels
+  Interval key;     // depth key
+  bool before_eye;  // all of it; else the bounds are infinite
+};
+
+class FramePatches {
+ public:
+  // Projects all patches and keeps those that some scan plane may meet, nearest first.
+  FramePatches(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads);
+
+  const std::vector<PlacedPatch>& patches() const { return patches_; }
+  // The pieces of patches()[index], made at the first call by whichever thread comes first; they do not depend on it.
+  std::pair<const Piece*, const Piece*> pieces(int32_t index, int thread);
+
+  // Depths this close are the same surface: far above rounding, far below anything visible.
+  double depth_tie() const { return depth_tie_; }
+  // Sums over all threads; to be called when no thread is at work.
+  int64_t piece_count() const;
+  int64_t unresolved() const;
+  std::vector<int32_t> unresolved_faces() const;
+
+ private:
+  enum State : int { kUntouched, kInWork, kReady };
+  struct Slot {
+    std::atomic<int> state{kUntouched};
+    int32_t count = 0;
+    const Piece* pieces = nullptr;
+  };
+  // One thread's builder and the memory of what it built.
+  struct Worker {
+    PieceBuilder builder;
+    Arena<Piece> arena;
+    std::vector<Piece> found;
+    int64_t count = 0;
+    std::vector<int32_t> unresolved_faces;
+  };
+
+  void place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads);
+  void build(int32_t index, Worker& worker);
+
+  std::vector<PlacedPatch> patches_;
+  std::unique_ptr<Slot[]> slots_;
+  std::deque<Worker> workers_;
+  double depth_tie_ = 0.0;
+};
+
+}  // namespace nofacet

@@ -1,0 +1,249 @@
+// Bernstein forms evaluated with one point in each SIMD lane. Included once for every instruction set (Highway).
+#if defined(NOFACET_RASTER_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef NOFACET_RASTER_LANES_INL_H_
+#undef NOFACET_RASTER_LANES_INL_H_
+#else
+#define NOFACET_RASTER_LANES_INL_H_
+#endif
+
+#include "bezier/centred_net.h"
+#include "bezier/net.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace nofacet {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Lanes = hn::CappedTag<double, 8>;
+using Vec = hn::Vec<Lanes>;
+using Mask = hn::Mask<Lanes>;
+
+// Bernstein basis of a degree known at compile time, or read from the net (kDegree = -1), and its derivative.
+template <int kDegree>
+struct LaneBasis {
+  Vec value[kDegree + 1], slope[kDegree + 1];
+
+  HWY_INLINE void set(Lanes d, int, Vec t) {
+    const Vec one = hn::Set(d, 1.0), s = hn::Sub(one, t);
+    if constexpr (kDegree == 1) {
+      value[0] = s, value[1] = t;
+      slope[0] = hn::Neg(one), slope[1] = one;
+    } else if constexpr (kDegree == 2) {
+      const Vec two = hn::Set(d, 2.0);
+      value[0] = hn::Mul(s, s), value[1] = hn::Mul(two, hn::Mul(s, t)), value[2] = hn::Mul(t, t);
+      slope[0] = hn::Mul(hn::Set(d, -2.0), s), slope[1] = hn::Mul(two, hn::Sub(s, t)), slope[2] = hn::Mul(two, t);
+    } else {
+      const Vec three = hn::Set(d, 3.0);
+      const Vec ss = hn::Mul(s, s), tt = hn::Mul(t, t), s3 = hn::Mul(three, s), t3 = hn::Mul(three, t);
+      const Vec st2 = hn::Mul(hn::Set(d, 2.0), hn::Mul(s, t));
+      value[0] = hn::Mul(ss, s), value[1] = hn::Mul(ss, t3), value[2] = hn::Mul(tt, s3), value[3] = hn::Mul(tt, t);
+      slope[0] = hn::Mul(hn::Set(d, -3.0), ss), slope[1] = hn::Mul(three, hn::Sub(ss, st2));
+      slope[2] = hn::Mul(three, hn::Sub(st2, tt)), slope[3] = hn::Mul(three, tt);
+    }
+  }
+  HWY_INLINE Vec value_at(Lanes, int i) const { return value[i]; }
+  HWY_INLINE Vec slope_at(Lanes, int i) const { return slope[i]; }
+};
+
+template <>
+struct LaneBasis<-1> {
+  HWY_ALIGN double value[(kMaxDegree + 1) * 8];
+  HWY_ALIGN double slope[(kMaxDegree + 1) * 8];
+
+  HWY_INLINE void set(Lanes d, int n, Vec t) {
+    const std::size_t width = hn::Lanes(d);
+    const Vec s = hn::Sub(hn::Set(d, 1.0), t);
+    double* v = value;
+    // Degree n - 1 first: the derivative is made of it.
+    hn::Store(hn::Set(d, 1.0), d, v);
+    for (int k = 1; k < n; ++k) {
+      Vec carry = hn::Zero(d);
+      for (int i = 0; i < k; ++i) {
+        const Vec b = hn::Load(d, v + i * width);
+        hn::Store(hn::MulAdd(s, b, carry), d, v + i * width);
+        carry = hn::Mul(t, b);
+      }
+      hn::Store(carry, d, v + k * width);
+    }
+    const Vec degree = hn::Set(d, double(n));
+    Vec before = hn::Zero(d);
+    for (int i = 0; i < n; ++i) {
+      const Vec b = hn::Load(d, v + i * width);
+      hn::Store(hn::Mul(degree, hn::Sub(before, b)), d, slope + i * width);
+      hn::Store(hn::MulAdd(s, b, hn::Mul(t, before)), d, v + i * width);
+      before = b;
+    }
+    hn::Store(hn::Mul(degree, before), d, slope + n * width);
+    hn::Store(hn::Mul(t, before), d, v + n * width);
+  }
+  HWY_INLINE Vec value_at(Lanes d, int i) const { return hn::Load(d, value + i * hn::Lanes(d)); }
+  HWY_INLINE Vec slope_at(Lanes d, int i) const { return hn::Load(d, slope + i * hn::Lanes(d)); }
+};
+
+// Homogeneous points and first derivatives of one group of lanes. Where the weight is 1 all over the net
+// (kRational = false) its entries are neither computed nor read.
+struct LaneJet {
+  Vec p[4], pa[4], pb[4];
+};
+
+template <int kN, int kM, bool kRational>
+HWY_INLINE void evaluate_lanes(Lanes d, const Net& net, Vec a, Vec b, LaneJet& jet) {
+  const int n = kN >= 0 ? kN : net.n, m = kM >= 0 ? kM : net.m;
+  LaneBasis<kN> in_a;
+  LaneBasis<kM> in_b;
+  in_a.set(d, n, a);
+  in_b.set(d, m, b);
+  if constexpr (kN >= 0 && kM >= 0) {
+    // One component after the other: the bases stay in registers.
+    for (const int c : {kX, kY, kZ, kW}) {
+      if (c == kW && !kRational) continue;
+      const double* point = net.points + c;
+      Vec p, pa, pb;
+      for (int i = 0; i <= kN; ++i) {
+        Vec row = hn::Mul(in_b.value[0], hn::Set(d, point[0])), slope = hn::Mul(in_b.slope[0], hn::Set(d, point[0]));
+        for (int j = 1; j <= kM; ++j) {
+          const Vec q = hn::Set(d, point[4 * j]);
+          row = hn::MulAdd(in_b.value[j], q, row), slope = hn::MulAdd(in_b.slope[j], q, slope);
+        }
+        point += 4 * (kM + 1);
+        if (i == 0) {
+          p = hn::Mul(in_a.value[0], row), pa = hn::Mul(in_a.slope[0], row), pb = hn::Mul(in_a.value[0], slope);
+        } else {
+          p = hn::MulAdd(in_a.value[i], row, p), pa = hn::MulAdd(in_a.slope[i], row, pa);
+          pb = hn::MulAdd(in_a.value[i], slope, pb);
+        }
+      }
+      jet.p[c] = p, jet.pa[c] = pa, jet.pb[c] = pb;
+    }
+  } else {
+    for (int c = 0; c < 4; ++c) jet.p[c] = jet.pa[c] = jet.pb[c] = hn::Zero(d);
+    const double* point = net.points;
+    for (int i = 0; i <= n; ++i) {
+      Vec row0 = hn::Zero(d), row1 = row0, row2 = row0, row3 = row0;
+      Vec slope0 = row0, slope1 = row0, slope2 = row0, slope3 = row0;
+      for (int j = 0; j <= m; ++j, point += 4) {
+        const Vec v = in_b.value_at(d, j), s = in_b.slope_at(d, j);
+        const Vec x = hn::Set(d, point[kX]), y = hn::Set(d, point[kY]), z = hn::Set(d, point[kZ]);
+        row0 = hn::MulAdd(v, x, row0), slope0 = hn::MulAdd(s, x, slope0);
+        row1 = hn::MulAdd(v, y, row1), slope1 = hn::MulAdd(s, y, slope1);
+        row3 = hn::MulAdd(v, z, row3), slope3 = hn::MulAdd(s, z, slope3);
+        if constexpr (kRational) {
+          const Vec w = hn::Set(d, point[kW]);
+          row2 = hn::MulAdd(v, w, row2), slope2 = hn::MulAdd(s, w, slope2);
+        }
+      }
+      const Vec v = in_a.value_at(d, i), s = in_a.slope_at(d, i);
+      const auto add = [&](int c, Vec row, Vec slope) HWY_ATTR {
+        jet.p[c] = hn::MulAdd(v, row, jet.p[c]);
+        jet.pa[c] = hn::MulAdd(s, row, jet.pa[c]);
+        jet.pb[c] = hn::MulAdd(v, slope, jet.pb[c]);
+      };
+      add(kX, row0, slope0);
+      add(kY, row1, slope1);
+      add(kZ, row3, slope3);
+      if constexpr (kRational) add(kW, row2, slope2);
+    }
+  }
+}
+
+// The same by Horner's rule about the middle of the net, in less than two thirds of the time. Positions are relative to
+// the net's centre.
+template <int kN, int kM, bool kRational>
+HWY_INLINE void evaluate_lanes(Lanes d, const CentredNet& net, Vec a, Vec b, LaneJet& jet) {
+  const int n = kN >= 0 ? kN : net.n, m = kM >= 0 ? kM : net.m;
+  const Vec half = hn::Set(d, 0.5), s = hn::Sub(a, half), t = hn::Sub(b, half);
+  constexpr int kLast = kRational ? 3 : 2;
+  constexpr Component kOrder[4] = {kX, kY, kZ, kW};
+  const double* row = net.points + 4 * std::size_t(n) * (m + 1);
+  if constexpr (kN < 0) {
+    for (int c = 0; c < 4; ++c) jet.p[c] = jet.pa[c] = jet.pb[c] = hn::Zero(d);
+  }
+  for (int i = n; i >= 0; --i, row -= 4 * (m + 1)) {
+    Vec value[4], slope[4];
+    for (int k = 0; k <= kLast; ++k) {
+      slope[k] = hn::Set(d, row[4 * m + kOrder[k]]);
+      value[k] = hn::MulAdd(slope[k], t, hn::Set(d, row[4 * (m - 1) + kOrder[k]]));
+    }
+    for (int j = m - 2; j >= 0; --j) {
+      for (int k = 0; k <= kLast; ++k) {
+        slope[k] = hn::MulAdd(slope[k], t, value[k]);
+        value[k] = hn::MulAdd(value[k], t, hn::Set(d, row[4 * j + kOrder[k]]));
+      }
+    }
+    for (int k = 0; k <= kLast; ++k) {
+      const int c = kOrder[k];
+      if (i == n) {
+        jet.p[c] = value[k], jet.pb[c] = slope[k], jet.pa[c] = hn::Zero(d);
+      } else {
+        jet.pa[c] = hn::MulAdd(jet.pa[c], s, jet.p[c]);
+        jet.p[c] = hn::MulAdd(jet.p[c], s, value[k]);
+        jet.pb[c] = hn::MulAdd(jet.pb[c], s, slope[k]);
+      }
+    }
+  }
+}
+
+// x, y, key and their derivatives on the screen.
+struct LaneScreen {
+  Vec x, y, key, xa, xb, ya, yb, ka, kb;
+};
+
+template <bool kRational>
+HWY_INLINE void to_screen(Lanes d, const LaneJet& jet, LaneScreen& s) {
+  if constexpr (kRational) {
+    const Vec r = hn::Div(hn::Set(d, 1.0), jet.p[kW]);
+    s.x = hn::Mul(jet.p[kX], r), s.y = hn::Mul(jet.p[kY], r), s.key = hn::Mul(jet.p[kZ], r);
+    s.xa = hn::Mul(hn::NegMulAdd(s.x, jet.pa[kW], jet.pa[kX]), r);
+    s.xb = hn::Mul(hn::NegMulAdd(s.x, jet.pb[kW], jet.pb[kX]), r);
+    s.ya = hn::Mul(hn::NegMulAdd(s.y, jet.pa[kW], jet.pa[kY]), r);
+    s.yb = hn::Mul(hn::NegMulAdd(s.y, jet.pb[kW], jet.pb[kY]), r);
+    s.ka = hn::Mul(hn::NegMulAdd(s.key, jet.pa[kW], jet.pa[kZ]), r);
+    s.kb = hn::Mul(hn::NegMulAdd(s.key, jet.pb[kW], jet.pb[kZ]), r);
+  } else {
+    s.x = jet.p[kX], s.y = jet.p[kY], s.key = jet.p[kZ];
+    s.xa = jet.pa[kX], s.xb = jet.pb[kX], s.ya = jet.pa[kY], s.yb = jet.pb[kY], s.ka = jet.pa[kZ], s.kb = jet.pb[kZ];
+  }
+}
+
+// Calls body.template operator()<kN, kM, kRational>() with the net's degrees where kernels are made for them.
+template <class Body>
+HWY_INLINE void for_degrees(int n, int m, bool rational, const Body& body) {
+  const auto with = [&](auto kn, auto km) HWY_ATTR {
+    constexpr int kN = decltype(kn)::value, kM = decltype(km)::value;
+    if (rational) {
+      body.template operator()<kN, kM, true>();
+    } else {
+      body.template operator()<kN, kM, false>();
+    }
+  };
+  using std::integral_constant;
+  const auto second = [&](auto kn) HWY_ATTR {
+    switch (m) {
+      case 1:
+        return with(kn, integral_constant<int, 1>());
+      case 2:
+        return with(kn, integral_constant<int, 2>());
+      case 3:
+        return with(kn, integral_constant<int, 3>());
+      default:
+        return with(integral_constant<int, -1>(), integral_constant<int, -1>());
+    }
+  };
+  switch (n) {
+    case 1:
+      return second(integral_constant<int, 1>());
+    case 2:
+      return second(integral_constant<int, 2>());
+    case 3:
+      return second(integral_constant<int, 3>());
+    default:
+      return with(integral_constant<int, -1>(), integral_constant<int, -1>());
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nofacet
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,82 @@
+// Spans: what a scan plane shows of one piece, inside its trim loops.
+#pragma once
+#include <vector>
+
+#include "raster/cut.h"
+#include "raster/screen_jet.h"
+
+namespace nofacet {
+
+// A stretch of the cut along which x moves one way only, inside the trim loops: on it every x in [x0, x1] has exactly
+// one point of the surface.
+struct Span {
+  const Piece* piece;
+  double y;               // of the scan plane
+  double x0, x1;          // pixels, x0 < x1
+  double a0, b0, a1, b1;  // the piece's parameters at x0 and x1
+  double key0, key1;      // at x0 and x1
+  double nearest, farthest;  // bounds of the key along the span
+  int32_t plane;             // index of the scan plane in its band
+  bool fold0, fold1;         // x turns at x0, at x1
+  int32_t order = 0;         // of the piece in its band
+
+  // Bounds of the key between two points of the span.
+  Interval key_between(double a_from, double key_from, double a_to, double key_to) const;
+};
+
+// A point of a surface at a given place on the screen.
+struct SurfaceSample {
+  double a, b;
+  Jet jet;
+};
+
+// Makes the spans of pieces on many planes. One per thread.
+class SpanMaker {
+ public:
+  // Appends the spans of `piece` on the planes y[0] .. y[count - 1] that overlap 0 <= x <= width; `first_plane` is
+  // the index of the first one.
+  void append(const Piece& piece, const double* y, int count, int first_plane, int width, std::vector<Span>& out);
+
+ private:
+  // Where a trim portion crosses a plane.
+  struct Crossing {
+    int plane;
+    int portion;
+    CutPoint point;
+  };
+
+  void append_point(const Piece& piece, const double* y, int count, int first_plane, int width,
+                    std::vector<Span>& out) const;
+  void find_crossings(const Piece& piece, const double* y, int count);
+  void find_events(const Piece& piece);
+  bool same_layout(std::size_t first, std::size_t last, double y);
+  bool inside(const Piece& piece, double y, const CutPoint& from, const CutPoint& to, std::size_t stretch);
+
+  PieceCutter cutter_;
+  std::vector<Crossing> crossings_;  // by plane, ascending in a
+  // Which stretches of a plane, between one crossing and the next, are inside. It stays the same from plane to plane
+  // while they meet the same portions in the same order and no portion begins or ends between them.
+  std::vector<signed char> inside_;  // 1, 0, or -1: not known
+  std::vector<int> layout_;          // portions crossed, in order
+  std::vector<double> events_;       // y at which portions begin and end, ascending
+  std::size_t next_event_ = 0;
+};
+
+// The span's surface point at pixel position (x, y'), where y' is within a few nanopixels of the span's plane and x of
+// its range. Newton from (sample->a, sample->b); where that strays, bisection on the cut, which cannot fail.
+void solve_sample(const Span& span, double x, double y, SurfaceSample* sample);
+
+// Key of the span at x, and the parameter a there.
+double key_at(const Span& span, double x, double* a);
+
+// The same at several x at once, ascending.
+struct SpanKeys {
+  static constexpr int kCount = 8;
+
+  double a[kCount], key[kCount];
+};
+void keys_at(const Span& span, const double x[SpanKeys::kCount], SpanKeys* out);
+// A last Newton step below this leaves an error of its square.
+inline constexpr double kSpanKeyStep = 1e-7;
+
+}  // namespace nofacet

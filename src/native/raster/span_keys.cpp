@@ -1,0 +1,67 @@
+// Compiled once for every instruction set that Highway knows of; the best one is chosen when the program runs.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raster/span_keys.cpp"
+#include <algorithm>
+
+#include "hwy/foreach_target.h"
+#include "raster/span_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace nofacet {
+namespace HWY_NAMESPACE {
+namespace {
+
+struct SolveKeys {
+  const Span& span;
+  const double* x;
+  SpanKeys& out;
+  double* step;
+
+  template <int kN, int kM, bool kRational>
+  HWY_ATTR void operator()() const {
+    const Lanes d;
+    const SpanBox box(d, hn::Set(d, std::min(span.a0, span.a1)), hn::Set(d, std::max(span.a0, span.a1)));
+    const SpanProgress progress(span);
+    for (int k = 0; k < SpanKeys::kCount; k += int(hn::Lanes(d))) {
+      const Vec at = hn::LoadU(d, x + k);
+      Vec a, b;
+      guess_on_span(d, span, progress.at(d, at), a, b);
+      LaneScreen s;
+      const Vec last = solve_on_span<kN, kM, kRational>(d, span.piece->net, box, at, hn::Set(d, span.y), 8, kSpanKeyStep, a, b, s);
+      hn::StoreU(a, d, out.a + k), hn::StoreU(s.key, d, out.key + k), hn::StoreU(last, d, step + k);
+    }
+  }
+};
+
+void Solve(const Span& span, const double* x, SpanKeys& out, double* step) {
+  const Piece& piece = *span.piece;
+  for_degrees(piece.net.n, piece.net.m, piece.rational, SolveKeys{span, x, out, step});
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace nofacet
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace nofacet {
+
+HWY_EXPORT(Solve);
+
+void keys_at(const Span& span, const double x[SpanKeys::kCount], SpanKeys* out) {
+  double step[SpanKeys::kCount];
+  const bool linear = span.piece->planar || span.piece->kind > CutKind::fold;
+  if (!linear) HWY_DYNAMIC_DISPATCH(Solve)(span, x, *out, step);
+  for (int k = 0; k < SpanKeys::kCount; ++k) {
+    if (x[k] <= span.x0) {
+      out->a[k] = span.a0, out->key[k] = span.key0;
+    } else if (x[k] >= span.x1) {
+      out->a[k] = span.a1, out->key[k] = span.key1;
+    } else if (linear || !(step[k] < kSpanKeyStep)) {
+      out->key[k] = key_at(span, x[k], &out->a[k]);
+    }
+  }
+}
+
+}  // namespace nofacet
+#endif

@@ -1,0 +1,106 @@
+// Points of a span with one in each SIMD lane. Included once for every instruction set (Highway).
+#if defined(NOFACET_RASTER_SPAN_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef NOFACET_RASTER_SPAN_LANES_INL_H_
+#undef NOFACET_RASTER_SPAN_LANES_INL_H_
+#else
+#define NOFACET_RASTER_SPAN_LANES_INL_H_
+#endif
+
+#include <algorithm>
+#include <cmath>
+
+#include "raster/lanes-inl.h"
+#include "raster/span.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace nofacet {
+namespace HWY_NAMESPACE {
+
+// Along a span the parameters are smooth in this: x, or beside a fold the root of the distance from it.
+class SpanProgress {
+ public:
+  explicit SpanProgress(const Span& span)
+      : fold0_(span.fold0), fold1_(span.fold1), x0_(span.x0), x1_(span.x1), scale_(1.0 / (span.x1 - span.x0)) {}
+
+  HWY_INLINE Vec at(Lanes d, Vec x) const {
+    const Vec zero = hn::Zero(d), one = hn::Set(d, 1.0), scale = hn::Set(d, scale_);
+    const Vec t = hn::Min(hn::Max(hn::Mul(hn::Sub(x, hn::Set(d, x0_)), scale), zero), one);
+    if (fold0_) return hn::Sqrt(t);
+    if (fold1_) return hn::Sub(one, hn::Sqrt(hn::Max(hn::Mul(hn::Sub(hn::Set(d, x1_), x), scale), zero)));
+    return t;
+  }
+  double at(double x) const {
+    const double t = std::clamp((x - x0_) * scale_, 0.0, 1.0);
+    if (fold0_) return std::sqrt(t);
+    if (fold1_) return 1.0 - std::sqrt(std::clamp((x1_ - x) * scale_, 0.0, 1.0));
+    return t;
+  }
+  // dx / dprogress.
+  double rate(double progress) const {
+    const double length = 1.0 / scale_;
+    return fold0_ ? 2.0 * length * progress : fold1_ ? 2.0 * length * (1.0 - progress) : length;
+  }
+
+ private:
+  bool fold0_, fold1_;
+  double x0_, x1_, scale_;
+};
+
+// Where the parameters of a span, or of one in each lane, may lie.
+struct SpanBox {
+  Vec a_lo, a_hi, b_lo, b_hi;
+
+  HWY_INLINE SpanBox(Lanes d, Vec lo, Vec hi) : a_lo(lo), a_hi(hi), b_lo(hn::Zero(d)), b_hi(hn::Set(d, 1.0)) {}
+  HWY_INLINE void clamp(Vec& a, Vec& b) const {
+    a = hn::Min(hn::Max(a, a_lo), a_hi), b = hn::Min(hn::Max(b, b_lo), b_hi);
+  }
+  HWY_INLINE Mask contains(Vec a, Vec b) const {
+    return hn::And(hn::And(hn::Ge(a, a_lo), hn::Le(a, a_hi)), hn::And(hn::Ge(b, b_lo), hn::Le(b, b_hi)));
+  }
+};
+
+// First guess: the parameters run evenly with the span's progress.
+HWY_INLINE void guess_on_span(Lanes d, const Span& span, Vec progress, Vec& a, Vec& b) {
+  a = hn::MulAdd(progress, hn::Set(d, span.a1 - span.a0), hn::Set(d, span.a0));
+  b = hn::MulAdd(progress, hn::Set(d, span.b1 - span.b0), hn::Set(d, span.b0));
+}
+
+// What positions computed from a net are relative to.
+struct Origin {
+  double x = 0.0, y = 0.0, key = 0.0;
+};
+HWY_INLINE Origin origin_of(const Net&) { return {}; }
+HWY_INLINE Origin origin_of(const CentredNet& net) { return {net.x, net.y, net.key}; }
+
+// Newton's method for (x, y)(a, b) = (x, y) inside the box, until every lane's step is below `tolerance` or for
+// `iterations`. `s`: the screen position and derivatives before the last step. Returns the size of that step.
+template <int kN, int kM, bool kRational, class NetKind>
+HWY_INLINE Vec solve_on_span(Lanes d, const NetKind& net, const SpanBox& box, Vec x, Vec y, int iterations,
+                             double tolerance, Vec& a, Vec& b, LaneScreen& s) {
+  const Origin origin = origin_of(net);
+  x = hn::Sub(x, hn::Set(d, origin.x)), y = hn::Sub(y, hn::Set(d, origin.y));
+  for (int iteration = 1;; ++iteration) {
+    LaneJet jet;
+    evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
+    to_screen<kRational>(d, jet, s);
+    const Vec inverse = hn::Div(hn::Set(d, 1.0), hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya)));
+    const Vec rx = hn::Sub(x, s.x), ry = hn::Sub(y, s.y);
+    const Vec da = hn::Mul(hn::MulSub(rx, s.yb, hn::Mul(ry, s.xb)), inverse);
+    const Vec db = hn::Mul(hn::MulSub(ry, s.xa, hn::Mul(rx, s.ya)), inverse);
+    const Vec before_a = a, before_b = b;
+    a = hn::Add(a, da), b = hn::Add(b, db);
+    box.clamp(a, b);
+    const Vec step = hn::Max(hn::Abs(da), hn::Abs(db));
+    if (iteration < iterations && !hn::AllTrue(d, hn::Lt(step, hn::Set(d, tolerance)))) continue;
+    // What of the step the box allowed belongs to the position.
+    const Vec moved_a = hn::Sub(a, before_a), moved_b = hn::Sub(b, before_b);
+    s.key = hn::MulAdd(moved_a, s.ka, hn::MulAdd(moved_b, s.kb, hn::Add(s.key, hn::Set(d, origin.key))));
+    return step;
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nofacet
+HWY_AFTER_NAMESPACE();
+
+#endif
