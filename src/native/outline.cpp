@@ -21,7 +21,8 @@ Outline outline(const Scene& scene, const Camera& camera) {
       const auto first = std::lower_bound(y.begin(), y.end(), piece->y.lo);
       const auto last = std::upper_bound(first, y.end(), piece->y.hi);
       spans.clear();
-      maker.append(*piece, y.data() + (first - y.begin()), int(last - first), int(first - y.begin()), camera.width, spans);
+      maker.append(*piece, y.data() + (first - y.begin()), int(last - first), int(first - y.begin()), camera.width,
+                   spans);
       for (const Span& span : spans) {
         rows[span.plane].push_back({std::max(span.x0, 0.0), std::min(span.x1, double(camera.width))});
       }

@@ -4,16 +4,15 @@
 #include <vector>
 
 #include "camera.h"
-#include "raster/piece.h"
 #include "scene.h"
 
 namespace nofacet {
 
 // Covered stretches on the planes through the rows' pixel centres, in pixels: disjoint, ascending, inside the picture.
-// Those of row r are stretches[offsets[r]] .. stretches[offsets[r + 1] - 1].
+// Those of row r begin and end at ends[2 k] and ends[2 k + 1], k from offsets[r] to offsets[r + 1] - 1.
 struct Outline {
   std::vector<int64_t> offsets;
-  std::vector<Interval> stretches;
+  std::vector<double> ends;
 };
 
 Outline outline(const Scene& scene, const Camera& camera);

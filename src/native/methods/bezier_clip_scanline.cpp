@@ -21,13 +21,15 @@
 namespace nofacet {
 namespace {
 
-constexpr int kBandRows = 32;              // rows handed to a thread at a time
+constexpr int kBandRows = 32;  // rows handed to a thread at a time
 
 // For each band of rows the patches whose y range meets it.
 std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, int rows) {
   const int bands = (rows + kBandRows - 1) / kBandRows;
   std::vector<std::vector<int32_t>> result(bands);
-  const auto band_of = [&](double y) { return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / kBandRows, 0, bands - 1); };
+  const auto band_of = [&](double y) {
+    return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / kBandRows, 0, bands - 1);
+  };
   for (std::size_t k = 0; k < patches.size(); ++k) {
     const int last = band_of(patches[k].y.hi + 1.0);
     for (int band = band_of(patches[k].y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));

@@ -32,8 +32,8 @@ double longest_difference(const std::vector<Interval>& p, const std::vector<Inte
 
 }  // namespace
 
-BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes,
-                         FramePatches& patches, int thread, const Frame& frame)
+BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, FramePatches& patches,
+                         int thread, const Frame& frame)
     : scene_(scene),
       camera_(camera),
       planes_(planes),
@@ -68,7 +68,8 @@ void BandPainter::lay_planes() {
   if (planes_.locates_level_edges()) plane_y_.push_back(planes_.sample_y(int64_t(first_row_) * samples - 1));
   for (int row = first_row_; row < end_row_; ++row) {
     for (int k = 0; k <= samples; ++k) {
-      if (planes_.centre() && !planes_.centre_is_sample() && k == samples / 2) plane_y_.push_back(planes_.centre_y(row));
+      if (planes_.centre() && !planes_.centre_is_sample() && k == samples / 2)
+        plane_y_.push_back(planes_.centre_y(row));
       if (k < samples) plane_y_.push_back(planes_.sample_y(int64_t(row) * samples + k));
     }
   }
@@ -90,7 +91,8 @@ int BandPainter::sample_plane(int row, int k) const {
   const int samples = planes_.samples();
   if (k < 0) return sample_plane(row - 1, samples - 1);
   if (k >= samples) return sample_plane(row + 1, 0);
-  const int after_centre = planes_per_row() > samples && k >= samples / 2 && row >= first_row_ && row < end_row_ ? 1 : 0;
+  const int after_centre =
+      planes_per_row() > samples && k >= samples / 2 && row >= first_row_ && row < end_row_ ? 1 : 0;
   if (row < first_row_) return 0;
   return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + k + after_centre;
 }

@@ -107,8 +107,8 @@ void PieceCutter::cut_at_borders(const Piece& piece, const double* y, int count)
   arcs_.resize(kept);
 }
 
-void PieceCutter::solve_border(const double* points, std::size_t stride, int degree, const double* y,
-                               PlaneRoots& roots, const std::vector<int>& planes) {
+void PieceCutter::solve_border(const double* points, std::size_t stride, int degree, const double* y, PlaneRoots& roots,
+                               const std::vector<int>& planes) {
   if (planes.empty()) return;
   roots.resize(planes.size());
   for (std::size_t k = 0; k < planes.size(); ++k) roots.y[k] = y[planes[k]];

@@ -30,8 +30,8 @@ class PieceCutter {
   enum class Side : unsigned char { below, inside, above };
 
   void cut_at_borders(const Piece& piece, const double* y, int count);
-  static void solve_border(const double* points, std::size_t stride, int degree, const double* y,
-                           PlaneRoots& roots, const std::vector<int>& planes);
+  static void solve_border(const double* points, std::size_t stride, int degree, const double* y, PlaneRoots& roots,
+                           const std::vector<int>& planes);
   void split_at_folds(const Piece& piece, const double* y);
 
   std::vector<CutArc> arcs_;

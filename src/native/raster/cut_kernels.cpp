@@ -179,7 +179,8 @@ void FoldRoots(const Net& net, std::size_t count, PlaneRoots& roots) {
       const Vec da = hn::Mul(hn::MulSub(fb, j, hn::Mul(f, jb)), inverse);
       const Vec db = hn::Mul(hn::MulSub(f, ja, hn::Mul(fa, j)), inverse);
       const Vec size = hn::Max(hn::Abs(da), hn::Abs(db));
-      const Vec next_a = hn::Min(hn::Max(hn::Add(a, da), zero), one), next_b = hn::Min(hn::Max(hn::Add(b, db), zero), one);
+      const Vec next_a = hn::Min(hn::Max(hn::Add(a, da), zero), one),
+                next_b = hn::Min(hn::Max(hn::Add(b, db), zero), one);
       if (iteration < kMaxNewton && !hn::AllTrue(d, hn::Lt(size, enough))) {
         a = next_a, b = next_b;
         continue;

@@ -285,8 +285,12 @@ KeyPlane fit_key_plane(const Net& net, Interval key) {
     const double* p = net.at(i, j);
     return p[c] / p[kW];
   };
-  const auto mean_a = [&](Component c) { return at(net.n, 0, c) - at(0, 0, c) + at(net.n, net.m, c) - at(0, net.m, c); };
-  const auto mean_b = [&](Component c) { return at(0, net.m, c) - at(0, 0, c) + at(net.n, net.m, c) - at(net.n, 0, c); };
+  const auto mean_a = [&](Component c) {
+    return at(net.n, 0, c) - at(0, 0, c) + at(net.n, net.m, c) - at(0, net.m, c);
+  };
+  const auto mean_b = [&](Component c) {
+    return at(0, net.m, c) - at(0, 0, c) + at(net.n, net.m, c) - at(net.n, 0, c);
+  };
   const double xa = mean_a(kX), ya = mean_a(kY), ka = mean_a(kZ), xb = mean_b(kX), yb = mean_b(kY), kb = mean_b(kZ);
   const double determinant = xa * yb - xb * ya;
   KeyPlane plane = {key.mid(), 0.0, 0.0, 0.5 * key.width()};

@@ -109,8 +109,8 @@ bool Visibility::show(const Span* winner, const Span& fresh, double x0, double x
   return winner == &fresh;
 }
 
-// Who is nearest if the keys lie in these ranges; null if they do not tell. Ranges that only touch do: surfaces may meet
-// at an edge. Where all keys are the same, the face with the lower index is.
+// Who is nearest if the keys lie in these ranges; null if they do not tell. Ranges that only touch do: surfaces may
+// meet at an edge. Where all keys are the same, the face with the lower index is.
 const Span* Visibility::decide(Interval fresh_key, Interval old_key, double tie, const Span& fresh,
                                const Span& old) const {
   const bool fresh_behind = fresh_key.lo > old_key.hi - tie, old_behind = old_key.lo > fresh_key.hi - tie;

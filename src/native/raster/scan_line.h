@@ -15,8 +15,8 @@ struct VisibleSegment {
 // What one scan plane meets.
 struct ScanLine {
   double y = 0.0;
-  std::vector<VisibleSegment> segments;   // nearest opaque spans: disjoint, ascending in x
-  std::vector<const Span*> transparent;   // in the order of insertion
+  std::vector<VisibleSegment> segments;  // nearest opaque spans: disjoint, ascending in x
+  std::vector<const Span*> transparent;  // in the order of insertion
 
   void clear(double plane_y) {
     y = plane_y;

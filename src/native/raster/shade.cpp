@@ -6,7 +6,6 @@
 namespace nofacet {
 namespace {
 
-
 constexpr double kTinyPiece = 1e-5;
 
 double length(const double* v) { return std::sqrt(Camera::dot(v, v)); }

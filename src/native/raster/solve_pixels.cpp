@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "hwy/foreach_target.h"
-#include "raster/span_lanes-inl.h"
 #include "raster/fill.h"
 #include "raster/shade.h"
+#include "raster/span_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace nofacet {
@@ -21,13 +21,14 @@ constexpr int kMaxKnotNewton = 8, kMaxPixelNewton = 4;
 // Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
 constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
 constexpr double kCentredTolerance = 2e-9;  // pixels
-constexpr double kKnotStep = 1e-6;  // knots only guide: pixels are judged by themselves
+constexpr double kKnotStep = 1e-6;          // knots only guide: pixels are judged by themselves
 
 // The polynomial of degree 5 with given values and slopes at three knots, for first guesses between them (Hermite
 // interpolation by divided differences); of degree 3 at two.
 class Guess {
  public:
-  Guess(const double* t, const double* value, const double* slope, int knots) : t0_(t[0]), t1_(t[1]), t2_(t[knots - 1]) {
+  Guess(const double* t, const double* value, const double* slope, int knots)
+      : t0_(t[0]), t1_(t[1]), t2_(t[knots - 1]) {
     const double f01 = (value[1] - value[0]) / (t1_ - t0_);
     const double f001 = (f01 - slope[0]) / (t1_ - t0_), f011 = (slope[1] - f01) / (t1_ - t0_);
     const double f0011 = (f011 - f001) / (t1_ - t0_);
@@ -67,7 +68,12 @@ struct View {
   double half[3];  // unit vector between the key light and the eye (orthographic)
 
   View(const Camera& c, const Frame& f, const Piece& p, const float* face_color, bool with_values)
-      : camera(c), frame(f), piece(p), color(face_color), values(with_values), half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
+      : camera(c),
+        frame(f),
+        piece(p),
+        color(face_color),
+        values(with_values),
+        half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
     const double length = std::sqrt(Camera::dot(half, half));
     for (double& h : half) h /= length;
   }
@@ -119,7 +125,8 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
   // The tangents, taken before the step, differ from those after it by 2 bend step at most.
   const Vec turn = hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), step);
   out.accurate = hn::And(out.accurate, hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2)));
-  const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(j, j)), degenerate = hn::Set(d, kDegenerate * kDegenerate);
+  const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(j, j)),
+            degenerate = hn::Set(d, kDegenerate * kDegenerate);
   out.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
                         hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
 }
@@ -136,17 +143,15 @@ struct Shade {
 HWY_INLINE Shade shade_lanes(Lanes d, const View& view, Vec nx, Vec ny, Vec nz, Vec x, Vec y) {
   const FloatLanes df;
   const auto set = [&](double value) HWY_ATTR { return hn::Set(df, float(value)); };
-  const auto square3 = [&](FloatVec p, FloatVec q, FloatVec r) HWY_ATTR {
-    return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r)));
-  };
+  const auto square3 = [&](FloatVec p, FloatVec q, FloatVec r)
+                           HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
   const Camera& camera = view.camera;
   const FloatVec one = set(1.0), zero = hn::Zero(df);
   FloatVec fx = hn::DemoteTo(df, nx), fy = hn::DemoteTo(df, ny), fz = hn::DemoteTo(df, nz);
   const FloatVec inverse = hn::Div(one, hn::Sqrt(square3(fx, fy, fz)));
   fx = hn::Mul(fx, inverse), fy = hn::Mul(fy, inverse), fz = hn::Mul(fz, inverse);
-  const auto dot = [&](FloatVec px, FloatVec py, FloatVec pz) HWY_ATTR {
-    return hn::MulAdd(fx, px, hn::MulAdd(fy, py, hn::Mul(fz, pz)));
-  };
+  const auto dot = [&](FloatVec px, FloatVec py, FloatVec pz)
+                       HWY_ATTR { return hn::MulAdd(fx, px, hn::MulAdd(fy, py, hn::Mul(fz, pz))); };
   FloatVec facing, gloss;
   if (camera.perspective) {
     const FloatVec scale = set(camera.scale);
@@ -191,8 +196,8 @@ HWY_INLINE void write_normal(Lanes d, const View& view, std::size_t at, int coun
 }
 
 // Writes the colour and depth of the `count` pixels from index `at` of the frame on.
-HWY_INLINE void write_lanes(Lanes d, const View& view, std::size_t at, int count, Vec key, Vec nx, Vec ny, Vec nz, Vec x,
-                            Vec y) {
+HWY_INLINE void write_lanes(Lanes d, const View& view, std::size_t at, int count, Vec key, Vec nx, Vec ny, Vec nz,
+                            Vec x, Vec y) {
   const Frame& frame = view.frame;
   const int width = int(hn::Lanes(d));
   if (frame.depth) {
@@ -243,7 +248,6 @@ void SolvePlanar(const View& view, const PixelJob* jobs, std::size_t count) {
 struct Knots {
   static constexpr int kSpacing = 32;  // pixels, at most
   static constexpr int kWidest = 8;    // pixels a vector, at most
-
 
   std::vector<double> x, y, progress, a, b;
   std::vector<double> a_lo, a_hi;              // of the knot's span
@@ -315,8 +319,8 @@ struct SolveCurved {
       const SpanBox box(d, hn::LoadU(d, knots.a_lo.data() + k), hn::LoadU(d, knots.a_hi.data() + k));
       Vec a = hn::LoadU(d, knots.a.data() + k), b = hn::LoadU(d, knots.b.data() + k);
       LaneScreen s;
-      solve_on_span<kN, kM, kRational>(d, net, box, hn::LoadU(d, knots.x.data() + k),
-                                       hn::LoadU(d, knots.y.data() + k), kMaxKnotNewton, kKnotStep, a, b, s);
+      solve_on_span<kN, kM, kRational>(d, net, box, hn::LoadU(d, knots.x.data() + k), hn::LoadU(d, knots.y.data() + k),
+                                       kMaxKnotNewton, kKnotStep, a, b, s);
       const Vec rate = hn::LoadU(d, knots.rate.data() + k);
       const Vec scale = hn::Div(rate, hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya)));
       hn::StoreU(a, d, knots.a.data() + k), hn::StoreU(b, d, knots.b.data() + k);
@@ -370,7 +374,8 @@ struct SolveCurved {
     const Mask sound = iterate(kMaxPixelNewton, kShadeTolerance);
     if (view.values) write_lanes(d, view, at, count, point.key, point.nx, point.ny, point.nz, x, y);
     if (view.frame.uv) write_uv(d, at, count, a, b);
-    if (!hn::AllTrue(d, sound)) queue_hard(d, job, px, count, sound, {nullptr, 0, 0, view.values, false, view.frame.uv != nullptr});
+    if (!hn::AllTrue(d, sound))
+      queue_hard(d, job, px, count, sound, {nullptr, 0, 0, view.values, false, view.frame.uv != nullptr});
     if (!view.frame.normal || !view.values) return;
     const Mask exact = iterate(2, kNormalTolerance);
     write_normal(d, view, at, count, point.nx, point.ny, point.nz);

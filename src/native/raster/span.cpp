@@ -115,9 +115,10 @@ void SpanMaker::find_crossings(const Piece& piece, const double* y, int count) {
       for (int plane = first; plane < last; ++plane) {
         const double f = (y[plane] - from.y) / (to.y - from.y);
         const auto between = [f](double p, double q) { return p + f * (q - p); };
-        crossings_.push_back({plane, k,
-                              {between(from.a, to.a), between(from.b, to.b), between(from.x, to.x),
-                               between(from.key, to.key)}});
+        crossings_.push_back(
+            {plane,
+             k,
+             {between(from.a, to.a), between(from.b, to.b), between(from.x, to.x), between(from.key, to.key)}});
       }
       continue;
     }
@@ -257,8 +258,7 @@ void solve_sample(const Span& span, double x, double y, SurfaceSample* sample) {
 double key_at(const Span& span, double x, double* a) {
   const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
   *a = span.a0 + fraction * (span.a1 - span.a0);
-  if (span.piece->planar || fraction == 0.0 || fraction == 1.0)
-    return span.key0 + fraction * (span.key1 - span.key0);
+  if (span.piece->planar || fraction == 0.0 || fraction == 1.0) return span.key0 + fraction * (span.key1 - span.key0);
   SurfaceSample sample{*a, span.b0 + fraction * (span.b1 - span.b0), {}};
   solve_sample(span, x, span.y, &sample);
   *a = sample.a;

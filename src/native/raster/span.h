@@ -11,10 +11,10 @@ namespace nofacet {
 // one point of the surface.
 struct Span {
   const Piece* piece;
-  double y;               // of the scan plane
-  double x0, x1;          // pixels, x0 < x1
-  double a0, b0, a1, b1;  // the piece's parameters at x0 and x1
-  double key0, key1;      // at x0 and x1
+  double y;                  // of the scan plane
+  double x0, x1;             // pixels, x0 < x1
+  double a0, b0, a1, b1;     // the piece's parameters at x0 and x1
+  double key0, key1;         // at x0 and x1
   double nearest, farthest;  // bounds of the key along the span
   int32_t plane;             // index of the scan plane in its band
   bool fold0, fold1;         // x turns at x0, at x1

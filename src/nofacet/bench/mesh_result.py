@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from ..cad.tessellate import Mesh, tessellate
 from . import embree, gl
+from .borders import Borders, mesh_borders
 from .child import ChildFailure, in_child
 from .mesh_setting import MeshSetting
-from .outline import Borders, OutlineError, compare, mesh_borders
+from .outline import OutlineError, compare
 from .subject import Subject
 
 DRAWING_LIMIT = 60.0  # seconds
+
+Result = TypeVar("Result")
 
 
 @dataclass
@@ -40,8 +45,11 @@ def measure_mesh(
     threads: int,
     limit: float,
     left_out: list[str],
-) -> MeshResult:
-    """Mesh, draw and compare; what fails gets a line in left_out. exact: the exact borders on rows and columns."""
+) -> MeshResult | None:
+    """Mesh, draw and compare; what fails gets a line in left_out. None without a mesh.
+
+    exact: the exact borders on rows and columns. limit: seconds that meshing may take.
+    """
     what = f"{subject.name}, mesh {setting.name}"
 
     def make() -> Mesh:
@@ -51,18 +59,24 @@ def measure_mesh(
         mesh = in_child(make, limit)
     except (TimeoutError, ChildFailure) as failure:
         left_out.append(f"{what}: {failure}")
-        return MeshResult(setting, limit, timed_out=isinstance(failure, TimeoutError))
+        return MeshResult(setting, limit, timed_out=True) if isinstance(failure, TimeoutError) else None
+    if not len(mesh.triangles):
+        left_out.append(f"{what}: no triangles")
+        return None
     result = MeshResult(setting, mesh.seconds, triangles=len(mesh.triangles))
     result.megabytes = (24 * len(mesh.points) + 12 * len(mesh.triangles)) / 1e6
-    if not result.triangles:
-        left_out.append(f"{what}: no triangles")
-        return result
-    try:
-        if gl.missing() is None:
-            result.opengl = in_child(lambda: gl.frame_seconds(mesh, subject), DRAWING_LIMIT)
-        if embree.missing() is None:
-            result.embree = in_child(lambda: embree.frame_seconds(mesh, subject, threads), DRAWING_LIMIT)
-    except (TimeoutError, ChildFailure) as failure:
-        left_out.append(f"{what}, drawing: {failure}")
+    if gl.missing() is None:
+        result.opengl = _drawn(lambda: gl.frame_seconds(mesh, subject), f"{what}, OpenGL", left_out)
+    if embree.missing() is None:
+        traced = _drawn(lambda: embree.frame_seconds(mesh, subject, threads), f"{what}, Embree", left_out)
+        result.embree = traced or {}
     result.outline = compare(exact, mesh_borders(mesh, subject))
     return result
+
+
+def _drawn(draw: Callable[[], Result], what: str, left_out: list[str]) -> Result | None:
+    try:
+        return in_child(draw, DRAWING_LIMIT)
+    except (TimeoutError, ChildFailure) as failure:
+        left_out.append(f"{what}: {failure}")
+        return None

@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..render import methods
 from . import embree, gl, plot, table
 from .bars import bars
+from .borders import exact_borders
 from .child import ChildFailure, in_child
 from .crowd import measure_crowds
 from .first_picture import measure_first_picture
@@ -19,7 +20,7 @@ from .frames import measure_frames
 from .machine import describe
 from .mesh_result import measure_mesh
 from .mesh_setting import mesh_settings
-from .outline import check_outline, exact_borders
+from .outline import check_outline
 from .ray_casting import measure_ray_casting
 from .report import Report, SubjectResult
 from .subject import Subject, default_names, open_subject
@@ -78,7 +79,8 @@ def _measure(subject: Subject, threads: int, quick: bool, meshing_limit: float, 
     from ..cad.tessellate import box_sides
 
     for setting in mesh_settings(subject.pixel, box_sides(subject.shape)):
-        result.meshes.append(measure_mesh(subject, setting, exact, threads, meshing_limit, left_out))
+        mesh = measure_mesh(subject, setting, exact, threads, meshing_limit, left_out)
+        result.meshes += [mesh] if mesh else []
     return result
 
 
