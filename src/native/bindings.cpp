@@ -98,6 +98,11 @@ auto owned(std::vector<T>&& values) {
   return owned(std::move(values), std::initializer_list<std::size_t>{count});
 }
 
+auto owned_pairs(std::vector<double>&& pairs) {
+  const std::size_t count = pairs.size() / 2;
+  return owned(std::move(pairs), std::initializer_list<std::size_t>{count, 2});
+}
+
 // A numpy array of bool.
 auto owned_flags(std::vector<uint8_t>&& values) {
   return nb::object(nb::cast(owned(std::move(values))).attr("view")("?"));
@@ -201,25 +206,14 @@ nb::dict measure_scene_floor(const BoundScene& bound, Array<int32_t, nb::shape<-
   return result;
 }
 
-// A new array that owns the values.
-template <class T>
-nb::ndarray<nb::numpy, T> owned_array(std::vector<T> values, std::initializer_list<std::size_t> shape) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T>(kept->data(), shape, owner);
-}
-
 nb::tuple scene_outline(const BoundScene& bound, std::tuple<double, double, double> eye,
                         Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height) {
   Outline found;
-  std::vector<double> ends;
   {
     nb::gil_scoped_release release;
     found = outline(*bound.scene, make_camera(eye, axes, scale, perspective, width, height));
-    for (const Interval& stretch : found.stretches) ends.insert(ends.end(), {stretch.lo, stretch.hi});
   }
-  const std::size_t rows = found.offsets.size(), count = found.stretches.size();
-  return nb::make_tuple(owned_array(std::move(found.offsets), {rows}), owned_array(std::move(ends), {count, 2}));
+  return nb::make_tuple(owned(std::move(found.offsets)), owned_pairs(std::move(found.ends)));
 }
 
 std::vector<std::string> method_names() {
@@ -324,11 +318,6 @@ nb::tuple order_uses_of(Indices wire, Pairs start, Pairs end, Pairs size) {
   check_lengths(wire.size(), start, end, size);
   UseOrder order = order_uses({wire.size(), wire.data(), start.data(), end.data(), size.data()});
   return nb::make_tuple(owned(std::move(order.use)), owned(std::move(order.loop)), owned(std::move(order.unclear)));
-}
-
-auto owned_pairs(std::vector<double>&& pairs) {
-  const std::size_t count = pairs.size() / 2;
-  return owned(std::move(pairs), std::initializer_list<std::size_t>{count, 2});
 }
 
 SegmentView segment_view(Kept& kept, nb::handle segments) {

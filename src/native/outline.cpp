@@ -32,8 +32,8 @@ Outline outline(const Scene& scene, const Camera& camera) {
   result.offsets.push_back(0);
   for (std::vector<Interval>& stretches : rows) {
     merge_stretches(stretches);
-    result.stretches.insert(result.stretches.end(), stretches.begin(), stretches.end());
-    result.offsets.push_back(int64_t(result.stretches.size()));
+    for (const Interval& stretch : stretches) result.ends.insert(result.ends.end(), {stretch.lo, stretch.hi});
+    result.offsets.push_back(int64_t(result.ends.size() / 2));
   }
   return result;
 }
