@@ -141,6 +141,13 @@ QuotientBounds quotient(const DifferenceRanges& d, int c, Interval f) {
   return q;
 }
 
+double remainder(const DifferenceRanges& d, int c, double reach) {
+  const auto size = [&](const ComponentRanges& second) {
+    return second[c].magnitude() + reach * second[kW].magnitude();
+  };
+  return 0.5 * (size(d.aa) + 2.0 * size(d.ab) + size(d.bb)) / d.value[kW].lo;
+}
+
 }  // namespace
 
 NetBounds::NetBounds(const Net& net) {
@@ -156,6 +163,9 @@ NetBounds::NetBounds(const Net& net) {
   x = quotient(differences, kX, range[kX]);
   y = quotient(differences, kY, range[kY]);
   key = quotient(differences, kZ, range[kZ]);
+  x_remainder = remainder(differences, kX, 0.5 * range[kX].width());
+  y_remainder = remainder(differences, kY, 0.5 * range[kY].width());
+  key_remainder = remainder(differences, kZ, 0.5 * range[kZ].width());
 }
 
 }  // namespace nofacet

@@ -60,6 +60,9 @@ DifferenceRanges difference_ranges(const Net& net);
 // the control points and of their first and second differences.
 struct NetBounds {
   QuotientBounds x, y, key;
+  // For a parameter step (da, db) not larger than h, X - x W, Y - y W and Z - key W, for any x, y and key in the net's
+  // range and taken over W, differ from their linear parts by at most this times h^2.
+  double x_remainder, y_remainder, key_remainder;
   explicit NetBounds(const Net& net);
 };
 // Convex hull bound of numerator / denominator; the denominator must be positive at every control point.

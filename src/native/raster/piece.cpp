@@ -325,11 +325,8 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   piece->rising = y.fb.positive();
   piece->key = key.f;
   piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
-  const auto remainder = [](const QuotientBounds& q) {
-    return 0.5 * (q.faa.magnitude() + 2.0 * q.fab.magnitude() + q.fbb.magnitude());
-  };
   const double key_pixels = pixels_per_key(camera_, key.f);
-  piece->bend = std::max({remainder(bounds.x), remainder(bounds.y), remainder(key) * key_pixels});
+  piece->bend = std::max({bounds.x_remainder, bounds.y_remainder, bounds.key_remainder * key_pixels});
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;
   piece->key_plane = fit_key_plane(net, key.f);
   piece->planar = piece->key_plane.error * key_pixels < kNegligiblePixels;

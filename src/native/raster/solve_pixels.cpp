@@ -89,44 +89,57 @@ struct Point {
 template <bool kRational>
 HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, const LaneJet& jet, Vec x, Vec y,
                             double normal_tolerance, Point& out) {
-  LaneScreen s;
-  to_screen<kRational>(d, jet, s);
-  s.x = hn::Add(s.x, hn::Set(d, origin.x)), s.y = hn::Add(s.y, hn::Set(d, origin.y));
-  s.key = hn::Add(s.key, hn::Set(d, origin.key));
-  const Vec j = hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya));
-  const Vec inverse = hn::Div(hn::Set(d, 1.0), j);
-  const Vec rx = hn::Sub(x, s.x), ry = hn::Sub(y, s.y);
-  out.da = hn::Mul(hn::MulSub(rx, s.yb, hn::Mul(ry, s.xb)), inverse);
-  out.db = hn::Mul(hn::MulSub(ry, s.xa, hn::Mul(rx, s.ya)), inverse);
-  out.key = hn::MulAdd(out.da, s.ka, hn::MulAdd(out.db, s.kb, s.key));
+  // F = P - (x, y) W vanishes at the solution; there F_a = W x_a and so on, and D = W^2 J.
+  const Vec tx = hn::Sub(x, hn::Set(d, origin.x)), ty = hn::Sub(y, hn::Set(d, origin.y));
+  Vec fx, fy, fxa, fxb, fya, fyb;
+  if constexpr (kRational) {
+    fx = hn::NegMulAdd(tx, jet.p[kW], jet.p[kX]), fy = hn::NegMulAdd(ty, jet.p[kW], jet.p[kY]);
+    fxa = hn::NegMulAdd(tx, jet.pa[kW], jet.pa[kX]), fya = hn::NegMulAdd(ty, jet.pa[kW], jet.pa[kY]);
+    fxb = hn::NegMulAdd(tx, jet.pb[kW], jet.pb[kX]), fyb = hn::NegMulAdd(ty, jet.pb[kW], jet.pb[kY]);
+  } else {
+    fx = hn::Sub(jet.p[kX], tx), fy = hn::Sub(jet.p[kY], ty);
+    fxa = jet.pa[kX], fxb = jet.pb[kX], fya = jet.pa[kY], fyb = jet.pb[kY];
+  }
+  const Vec determinant = hn::MulSub(fxa, fyb, hn::Mul(fxb, fya));
+  const Vec inverse = hn::Div(hn::Set(d, 1.0), determinant);
+  out.da = hn::Mul(hn::MulSub(fy, fxb, hn::Mul(fx, fyb)), inverse);
+  out.db = hn::Mul(hn::MulSub(fx, fya, hn::Mul(fy, fxa)), inverse);
   const Vec step = hn::Max(hn::Abs(out.da), hn::Abs(out.db));
+  Vec key = hn::MulAdd(out.da, jet.pa[kZ], hn::MulAdd(out.db, jet.pb[kZ], jet.p[kZ]));
+  Vec ka = jet.pa[kZ], kb = jet.pb[kZ], weight = hn::Set(d, 1.0);
+  if constexpr (kRational) {
+    weight = hn::MulAdd(out.da, jet.pa[kW], hn::MulAdd(out.db, jet.pb[kW], jet.p[kW]));
+    key = hn::Div(key, weight);
+    ka = hn::NegMulAdd(key, jet.pa[kW], ka), kb = hn::NegMulAdd(key, jet.pb[kW], kb);
+  }
+  out.key = hn::Add(key, hn::Set(d, origin.key));
 
   // The tangent plane's slopes: key grows by this along x and y, in pixels.
   const Camera& camera = view.camera;
   const bool perspective = kRational && camera.perspective;
   const Vec scale = hn::Set(d, camera.scale);
-  const Vec key_scale = perspective ? hn::Div(scale, hn::Abs(s.key)) : scale;
-  const Vec by_x = hn::Mul(hn::MulSub(s.ka, s.yb, hn::Mul(s.kb, s.ya)), inverse);
-  const Vec by_y = hn::Mul(hn::MulSub(s.kb, s.xa, hn::Mul(s.ka, s.xb)), inverse);
+  const Vec size = hn::Abs(out.key), key_scale = perspective ? hn::Div(scale, size) : scale;
+  const Vec by_x = hn::Mul(hn::MulSub(ka, fyb, hn::Mul(kb, fya)), inverse);
+  const Vec by_y = hn::Mul(hn::MulSub(kb, fxa, hn::Mul(ka, fxb)), inverse);
   const Vec ux = hn::Mul(by_x, key_scale), uy = hn::Mul(by_y, key_scale);
+  out.nx = ux, out.ny = hn::Neg(uy), out.nz = hn::Set(d, -1.0);
   if (perspective) {
     const Vec cx = hn::Set(d, 0.5 * camera.width), cy = hn::Set(d, 0.5 * camera.height);
-    const Vec nz = hn::MulAdd(hn::Sub(cx, s.x), by_x, hn::MulAdd(hn::Sub(cy, s.y), by_y, s.key));
-    const Vec size = hn::Abs(s.key);  // the key's unit is arbitrary
-    out.nx = ux, out.ny = hn::Neg(uy), out.nz = hn::Div(nz, size);
-  } else {
-    out.nx = ux, out.ny = hn::Neg(uy), out.nz = hn::Set(d, -1.0);
+    const Vec nz = hn::MulAdd(hn::Sub(cx, x), by_x, hn::MulAdd(hn::Sub(cy, y), by_y, out.key));
+    out.nz = hn::Div(nz, size);  // the key's unit is arbitrary
   }
   const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(step, step)),
                                 hn::Add(hn::Set(d, 1.0), hn::Add(hn::Abs(ux), hn::Abs(uy))));
   out.accurate = hn::Le(remainder, hn::Set(d, kPixelTolerance));
+
+  // Squares of the tangents' lengths, times W^2.
   const auto square3 = [&](Vec p, Vec q, Vec r) HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
-  const Vec a2 = square3(s.xa, s.ya, hn::Mul(s.ka, key_scale)), b2 = square3(s.xb, s.yb, hn::Mul(s.kb, key_scale));
+  const Vec a2 = square3(fxa, fya, hn::Mul(ka, key_scale)), b2 = square3(fxb, fyb, hn::Mul(kb, key_scale));
   // The tangents, taken before the step, differ from those after it by 2 bend step at most.
-  const Vec turn = hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), step);
+  const Vec turn = hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), step), weight);
   out.accurate = hn::And(out.accurate, hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2)));
-  const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(j, j)),
-            degenerate = hn::Set(d, kDegenerate * kDegenerate);
+  const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(determinant, determinant));
+  const Vec degenerate = hn::Set(d, kDegenerate * kDegenerate);
   out.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
                         hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
 }
