@@ -30,6 +30,7 @@ struct Method {
 };
 
 RenderStats render_bezier_clip_scanline(const Scene&, const Camera&, const RenderOptions&, const Frame&);
+RenderStats render_bezier_clip_ray(const Scene&, const Camera&, const RenderOptions&, const Frame&);
 
 const std::vector<Method>& methods();
 // Null if there is none of that name.

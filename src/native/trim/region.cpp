@@ -111,6 +111,16 @@ void Region::fill_bins() {
   }
 }
 
+bool Region::clear(Interval u, Interval v) const {
+  if (bins_ == 0 || v.hi < v_min_ || v.lo > v_max_) return true;
+  const auto meets = [](Interval p, Interval q) { return p.lo <= q.hi && q.lo <= p.hi; };
+  for (int32_t index = bin_offsets_[bin(v.lo)], end = bin_offsets_[bin(v.hi) + 1]; index < end; ++index) {
+    const TrimArc& arc = arcs_[bin_arcs_[index]];
+    if (meets(arc.u_range(), u) && meets(arc.v_range(), v)) return false;
+  }
+  return true;
+}
+
 bool Region::contains(double u, double v) const {
   if (bins_ == 0 || v < v_min_ || v > v_max_) return false;
   int winding = 0;

@@ -18,6 +18,8 @@ class Region {
 
   const std::vector<TrimArc>& arcs() const { return arcs_; }
   bool contains(double u, double v) const;
+  // Whether no arc's box meets the box [u] x [v]: then all of it is inside, or all of it outside.
+  bool clear(Interval u, Interval v) const;
 
  private:
   std::vector<TrimArc> arcs_;
