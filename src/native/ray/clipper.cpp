@@ -152,10 +152,13 @@ void Clipper::visit(Part part, RayRect rect, int depth) {
 
 // Whether the part lies outside the trim loops; one certainly inside loses its region.
 bool Clipper::outside_region(Part& part) const {
+  constexpr double kRoom = 1e-3;
   if (!part.region) return false;
   const Scene::PatchRef& ref = *patch_->patch;
-  const Interval u{ref.u.face_from_patch(part.box.s0), ref.u.face_from_patch(part.box.s1)};
-  const Interval v{ref.v.face_from_patch(part.box.t0), ref.v.face_from_patch(part.box.t1)};
+  // Some room, because leaves accept roots beyond their borders.
+  const double s = kRoom * (part.box.s1 - part.box.s0), t = kRoom * (part.box.t1 - part.box.t0);
+  const Interval u{ref.u.face_from_patch(part.box.s0 - s), ref.u.face_from_patch(part.box.s1 + s)};
+  const Interval v{ref.v.face_from_patch(part.box.t0 - t), ref.v.face_from_patch(part.box.t1 + t)};
   if (!part.region->clear(u, v)) return false;
   if (!part.region->contains(u.mid(), v.mid())) return true;
   part.region = nullptr;

@@ -146,7 +146,7 @@ struct Candidates {
 HWY_INLINE void collect(const RayLeaf& leaf, const RayGrid& grid, const RayRect& rect, const double* farthest,
                         Candidates& out) {
   const int width = int(hn::Lanes(kLanes));
-  const double room = 0.5 + 0.5 * leaf.unique.q + std::max(leaf.rounding[0], leaf.rounding[1]);
+  const double room = 0.5 + 0.5 * leaf.unique.q + leaf.beyond();
   const Vec limit = set(room), nearest = set(leaf.nearest);
   const Vec end = set(rect.i1), step = set(grid.step), x0 = set(grid.x0 - leaf.unique.x);
   const Vec ax = set(leaf.unique.a[0]), bx = set(leaf.unique.b[0]);
@@ -244,8 +244,7 @@ class LaneSolver {
     Vec a, b;
     guess(x, y, a, b);
     const Vec zero = hn::Zero(kLanes), one = set(1.0);
-    const Vec tolerance_a = set(leaf_.tolerance[0]), tolerance_b = set(leaf_.tolerance[1]);
-    const Vec miss = set(leaf_.unique.miss()), room = set(std::max(leaf_.rounding[0], leaf_.rounding[1]));
+    const Vec miss = set(leaf_.unique.miss()), room = set(leaf_.beyond());
     for (int k = 0; k < kMaxSteps; ++k) {
       a = hn::Min(hn::Max(a, zero), one), b = hn::Min(hn::Max(b, zero), one);
       LaneJet jet;
@@ -260,10 +259,21 @@ class LaneSolver {
           hn::Max(hn::Max(hn::Neg(next_a), hn::Sub(next_a, one)), hn::Max(hn::Neg(next_b), hn::Sub(next_b, one)));
       active = hn::And(active, hn::Le(over, hn::MulAdd(miss, step, room)));
       if (hn::AllFalse(kLanes, active)) return;
-      const Mask close = hn::And(hn::Le(hn::Abs(da), tolerance_a), hn::Le(hn::Abs(db), tolerance_b));
+      const Mask close = close_steps(da, db);
       if (hn::AllTrue(kLanes, hn::Or(close, hn::Not(active)))) {
-        const Mask inside = hn::And(active, hn::Le(over, zero));
-        if (!hn::AllFalse(kLanes, inside)) append(ray, a, b, da, db, rx, ry, screen, jet, inside);
+        // The border of the whole patch is decided exactly.
+        const Vec s = s_at(next_a), t = t_at(next_b);
+        const Mask in_s = hn::And(hn::Ge(s, zero), hn::Le(s, one)), in_t = hn::And(hn::Ge(t, zero), hn::Le(t, one));
+        const Mask inside = hn::And(hn::And(active, hn::Le(over, room)), hn::And(in_s, in_t));
+        if (hn::AllFalse(kLanes, inside)) return;
+        hn::CompressStore(s, inside, kLanes, out_.s_in + out_.count);
+        hn::CompressStore(t, inside, kLanes, out_.t_in + out_.count);
+        // From where membership is decided to where values are solved: so short a way that the step at hand does it.
+        screen.step(hn::Sub(rx, set(grid_.shift_x)), hn::Sub(ry, set(grid_.shift_y)), da, db);
+        if (!hn::AllTrue(kLanes, hn::Or(close_steps(da, db), hn::Not(inside)))) {
+          move_to_value(hn::Sub(x, set(grid_.shift_x)), hn::Sub(y, set(grid_.shift_y)), a, b, da, db, jet);
+        }
+        append(ray, a, b, da, db, jet, inside);
         return;
       }
       a = next_a, b = next_b;
@@ -292,13 +302,37 @@ class LaneSolver {
       jet.pb[c] = hn::Mul(jet.pb[c], set(t_width_));
     }
   }
-  HWY_INLINE void append(Vec ray, Vec a, Vec b, Vec da, Vec db, Vec rx, Vec ry, const LaneScreen& screen,
-                         const LaneJet& jet, Mask inside) {
+  HWY_INLINE Mask close_steps(Vec da, Vec db) const {
+    return hn::And(hn::Le(hn::Abs(da), set(leaf_.tolerance[0])), hn::Le(hn::Abs(db), set(leaf_.tolerance[1])));
+  }
+  // Beside a silhouette the way is long and bent: Newton's method again, to (x, y). If the surface ends on the way,
+  // the point where membership was decided, a last step from (a, b), serves.
+  HWY_NOINLINE void move_to_value(Vec x, Vec y, Vec& a, Vec& b, Vec& da, Vec& db, LaneJet& jet) const {
+    const Vec start_a = a, start_b = b;
+    const LaneJet start = jet;
+    const LaneScreen there(jet);
+    Vec start_da, start_db;
+    there.step(hn::Sub(hn::Add(x, set(grid_.shift_x)), there.x), hn::Sub(hn::Add(y, set(grid_.shift_y)), there.y),
+               start_da, start_db);
+    Mask close = close_steps(da, db);
+    for (int k = 0; k < kMaxSteps && !hn::AllTrue(kLanes, close); ++k) {
+      a = hn::IfThenElse(close, a, hn::Add(a, da)), b = hn::IfThenElse(close, b, hn::Add(b, db));
+      evaluate(a, b, jet);
+      const LaneScreen screen(jet);
+      screen.step(hn::Sub(x, screen.x), hn::Sub(y, screen.y), da, db);
+      close = close_steps(da, db);
+    }
+    a = hn::IfThenElse(close, a, start_a), b = hn::IfThenElse(close, b, start_b);
+    da = hn::IfThenElse(close, da, start_da), db = hn::IfThenElse(close, db, start_db);
+    for (int c = 0; c < 4; ++c) {
+      jet.p[c] = hn::IfThenElse(close, jet.p[c], start.p[c]);
+      jet.pa[c] = hn::IfThenElse(close, jet.pa[c], start.pa[c]);
+      jet.pb[c] = hn::IfThenElse(close, jet.pb[c], start.pb[c]);
+    }
+  }
+  HWY_INLINE void append(Vec ray, Vec a, Vec b, Vec da, Vec db, const LaneJet& jet, Mask inside) {
     const int at = out_.count;
     hn::CompressStore(ray, inside, kLanes, out_.ray + at);
-    hn::CompressStore(s_at(hn::Add(a, da)), inside, kLanes, out_.s_in + at);
-    hn::CompressStore(t_at(hn::Add(b, db)), inside, kLanes, out_.t_in + at);
-    screen.step(hn::Sub(rx, set(grid_.shift_x)), hn::Sub(ry, set(grid_.shift_y)), da, db);
     hn::CompressStore(s_at(hn::Add(a, da)), inside, kLanes, out_.s + at);
     hn::CompressStore(t_at(hn::Add(b, db)), inside, kLanes, out_.t + at);
     Vec moved[4];

@@ -7,7 +7,13 @@
 namespace nofacet {
 
 // A part of a patch whose certificate holds.
+//
+// Where the patch is halved is decided by the rays, so a ray may well meet the border between two leaves. Roots are
+// accepted a little beyond the leaf's borders, further than they are in error, so that none falls between: it is then
+// found in both, as one and the same point.
 struct RayLeaf {
+  static constexpr double kBeyond = 1e-9;  // in the leaf's parameters, besides twice their rounding
+
   // `part`: the net over `b`, of which `certificate` holds.
   RayLeaf(const RayPatch& p, const PatchBox& b, const Net& part, const Uniqueness& certificate);
 
@@ -18,6 +24,9 @@ struct RayLeaf {
   double nearest;  // depth
   // In the leaf's parameters a and b: the rounding that comes of the coordinates', and how long the last step may be.
   double rounding[2], tolerance[2];
+
+  // How far beyond the leaf's borders roots are accepted.
+  double beyond() const { return kBeyond + 2.0 * std::max(rounding[0], rounding[1]); }
 };
 
 // The rays that hit a leaf. Normals are unit vectors in eye space, turned towards the eye, and zero where the
