@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <optional>
 
 namespace nofacet {
 namespace {
@@ -57,9 +57,10 @@ struct Strip {
     double longest = 0.0;
     x = 1.0, y = 0.0;
     for (const double *p = net.points + 4, *end = net.points + net.size(); p != end; p += 4) {
-      const double dx = p[kX] / p[kW] - ox, dy = p[kY] / p[kW] - oy, length = std::hypot(dx, dy);
-      if (length > longest) longest = length, x = -dy / length, y = dx / length;
+      const double dx = p[kX] / p[kW] - ox, dy = p[kY] / p[kW] - oy, length = dx * dx + dy * dy;
+      if (length > longest) longest = length, x = -dy, y = dx;
     }
+    if (longest > 0.0) x /= std::sqrt(longest), y /= std::sqrt(longest);
     for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
       const double offset = (x * p[kX] + y * p[kY]) / p[kW];
       offset_lo = std::min(offset_lo, offset), offset_hi = std::max(offset_hi, offset);
@@ -116,29 +117,24 @@ void Clipper::visit(Part part, RayRect rect, int depth) {
     }
     const ScreenHull hull(part.net, *patch_);
     if (hull.behind()) return;
+    std::optional<Uniqueness> certificate;
     if (!hull.crosses_eye_plane()) {
       const double room = rounding / hull.w.lo;
       rect.clip(grid_, {hull.x.lo - room, hull.x.hi + room}, {hull.y.lo - room, hull.y.hi + room});
       if (rect.empty() || sink_->hidden(hull.nearest)) return;
-      const Uniqueness certificate(part.net);
-      if (certificate.q <= (rect.count() < kRaysWorthClipping ? Uniqueness::kLimit : kStraight)) {
-        return solve(part, rect, certificate);
-      }
+      certificate.emplace(part.net);
+      const double straight = rect.count() < kRaysWorthClipping ? Uniqueness::kLimit : kStraight;
+      if (certificate->q <= straight) return solve(part, rect, *certificate);
     }
     const RayBundle bundle = bundle_of(grid_, rect, kThinnest * rounding);
     Interval a, b;
     if (!clip_net(part.net, bundle, rounding, &a, &b)) return;
     if (a.width() * b.width() <= kWorthClipping) {
-      double* points = stored(depth, 0);
-      restrict_net(part.net, a.lo, a.hi, b.lo, b.hi, points);
-      part.net.points = points;
-      const double s = part.box.s1 - part.box.s0, t = part.box.t1 - part.box.t0;
-      part.box = {part.box.s0 + a.lo * s, part.box.s0 + a.hi * s, part.box.t0 + b.lo * t, part.box.t0 + b.hi * t};
+      clip(part, a, b, stored(depth, 0));
       continue;
     }
-    if (!hull.crosses_eye_plane()) {
-      const Uniqueness certificate(part.net);
-      if (certificate.holds()) return solve(part, rect, certificate);
+    if (certificate) {
+      if (certificate->holds()) return solve(part, rect, *certificate);
       if (visit_single_rays(part, rect, depth)) return;
     }
     if (depth >= kMaxDepth) {
@@ -148,6 +144,14 @@ void Clipper::visit(Part part, RayRect rect, int depth) {
     if (!outside_region(part)) split(part, rect, depth);
     return;
   }
+}
+
+// Drops what of the part no ray meets; `points`: where the new net goes.
+void Clipper::clip(Part& part, Interval a, Interval b, double* points) {
+  restrict_net(part.net, a.lo, a.hi, b.lo, b.hi, points);
+  part.net.points = points;
+  const double s = part.box.s1 - part.box.s0, t = part.box.t1 - part.box.t0;
+  part.box = {part.box.s0 + a.lo * s, part.box.s0 + a.hi * s, part.box.t0 + b.lo * t, part.box.t0 + b.hi * t};
 }
 
 // Whether the part lies outside the trim loops; one certainly inside loses its region.

@@ -57,6 +57,7 @@ class Clipper {
   };
 
   void visit(Part part, RayRect rect, int depth);
+  static void clip(Part& part, Interval a, Interval b, double* points);
   bool outside_region(Part& part) const;
   void solve(const Part& part, const RayRect& rect, const Uniqueness& certificate);
   bool visit_single_rays(const Part& part, const RayRect& rect, int depth);

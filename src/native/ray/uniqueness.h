@@ -14,7 +14,7 @@ namespace nofacet {
 struct Uniqueness {
   static constexpr double kLimit = 0.18;
 
-  double q;           // infinity if A is singular
+  double q;           // infinity if A is singular or it is soon seen to be above the limit
   double x, y;        // f in the middle, pixels
   double a[2], b[2];  // A^-1: a parameter's change for a unit of x and y
 
