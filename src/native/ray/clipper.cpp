@@ -11,7 +11,7 @@ namespace {
 constexpr double kWorthClipping = 0.7;
 // Certified parts this straight are solved without clipping them further: guesses are good enough. For few rays any
 // certified part is, for clipping costs more than the steps it saves.
-constexpr double kStraight = 0.06;
+constexpr double kStraight = 0.12;
 constexpr int kRaysWorthClipping = 16;
 // Half the width of a bundle of one row or column of rays, in distances of rays: clipping it to a line pays nothing.
 constexpr double kRowWidth = 0.25;
