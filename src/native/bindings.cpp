@@ -78,8 +78,8 @@ T* data_or_null(Buffer<T>& buffer) {
 
 nb::dict render(const BoundScene& bound, const std::string& method_name, std::tuple<double, double, double> eye,
                 Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height, int samples,
-                int threads, bool edges, Buffer<float> color, Buffer<float> coverage, Buffer<double> depth,
-                Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
+                int threads, bool edges, bool shadows, double reflectance, Buffer<float> color, Buffer<float> coverage,
+                Buffer<double> depth, Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
   const Method* method = find_method(method_name);
   if (!method) throw std::invalid_argument("unknown method " + method_name);
   Camera camera{};
@@ -104,7 +104,7 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
   RenderStats stats;
   {
     nb::gil_scoped_release release;
-    stats = method->render(*bound.scene, camera, {samples, threads, edges}, frame);
+    stats = method->render(*bound.scene, camera, {samples, threads, edges, shadows, reflectance}, frame);
   }
   nb::dict result;
   result["subdivide_seconds"] = stats.subdivide_seconds;
@@ -122,6 +122,11 @@ std::vector<std::string> method_names() {
   return names;
 }
 
+bool casts_secondary_rays(const std::string& name) {
+  const Method* method = find_method(name);
+  return method && method->secondary_rays;
+}
+
 }  // namespace
 
 NB_MODULE(_native, module) {
@@ -130,9 +135,11 @@ NB_MODULE(_native, module) {
       .def("__init__", &init_scene, nb::arg("model"))
       .def("render", &render, nb::arg("method"), nb::arg("eye"), nb::arg("axes"), nb::arg("scale"),
            nb::arg("perspective"), nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"),
-           nb::arg("edges"), nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(),
-           nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(),
-           nb::arg("normal") = nb::none(),
+           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("color") = nb::none(),
+           nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(),
+           nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
+  module.def("casts_secondary_rays", &casts_secondary_rays, nb::arg("method"),
+             "Whether the method offers shadows and mirror reflection.");
 }

@@ -12,10 +12,12 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "methods.h"
 #include "parallel.h"
 #include "raster/edge_lines.h"
+#include "ray/part_tree.h"
 #include "ray/ray_scene.h"
 #include "ray/tile_painter.h"
 
@@ -73,18 +75,21 @@ RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, con
   auto start = Clock::now();
   const RayScene rays(scene, camera, options.threads);
   const auto bands = sort_into_bands(rays, frame.height);
+  std::optional<PartTree> tree;
+  if (frame.color && (options.shadows || options.reflectance > 0.0)) tree.emplace(scene, camera);
   stats.subdivide_seconds = seconds_since(start);
 
   start = Clock::now();
   std::vector<std::unique_ptr<TilePainter>> painters;
   for (int k = 0; k < options.threads; ++k) {
-    painters.push_back(std::make_unique<TilePainter>(scene, camera, rays, options, frame));
+    painters.push_back(std::make_unique<TilePainter>(scene, camera, rays, options, tree ? &*tree : nullptr, frame));
   }
   parallel_for(bands.size(), options.threads,
                [&](std::size_t band, int thread) { paint_band(*painters[thread], bands[band], int(band), frame); });
   for (const auto& painter : painters) {
     stats.pieces += painter->clipper().leaves();
     stats.unresolved += painter->clipper().unresolved();
+    if (const Clipper* secondary = painter->shader().clipper()) stats.unresolved += secondary->unresolved();
   }
   stats.scan_seconds = seconds_since(start);
 

@@ -93,10 +93,15 @@ double length_along(const Net& net, bool along_a, double x, double y, double dep
 }  // namespace
 
 void Clipper::trace(const RayPatch& patch, const RayRect& rect, HitSink& sink) {
+  trace_part(patch, patch.net, {0.0, 1.0, 0.0, 1.0}, rect, sink);
+}
+
+void Clipper::trace_part(const RayPatch& patch, const Net& net, const PatchBox& box, const RayRect& rect,
+                         HitSink& sink) {
   patch_ = &patch;
   sink_ = &sink;
   nodes_ = 0;
-  visit({patch.net, {0.0, 1.0, 0.0, 1.0}, patch.region}, rect, 0);
+  visit({net, box, patch.region}, rect, 0);
 }
 
 // Storage for the net under work (0) and a half that waits (1) at a depth of the recursion.

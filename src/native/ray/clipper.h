@@ -40,6 +40,8 @@ class Clipper {
   }
   // Hands every hit of the rays of `rect` on the patch to `sink`.
   void trace(const RayPatch& patch, const RayRect& rect, HitSink& sink);
+  // The same where only the part `box` of the patch is looked at, whose net is `net`.
+  void trace_part(const RayPatch& patch, const Net& net, const PatchBox& box, const RayRect& rect, HitSink& sink);
 
   int64_t leaves() const { return leaves_; }
   // Parts of patches or rays that were given up. 0 in a sound frame.

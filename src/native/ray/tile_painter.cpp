@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "light.h"
-#include "patch_normal.h"
 #include "raster/scan_planes.h"
 
 namespace nofacet {
@@ -59,15 +57,6 @@ void TilePainter::eye_direction(double x, double y, double direction[3]) const {
   direction[2] = 1.0;
 }
 
-void TilePainter::hit_normal(const RayHit& hit, const double eye_direction[3], double normal[3]) const {
-  std::copy_n(hit.normal, 3, normal);
-  if (Camera::dot(normal, normal) > 0.0) return;
-  patch_normal(scene_, camera_, hit.patch->face, *hit.patch->patch, hit.s, hit.t, normal);
-  if (Camera::dot(normal, eye_direction) > 0.0) {
-    for (int c = 0; c < 3; ++c) normal[c] = -normal[c];
-  }
-}
-
 void TilePainter::write_values(const PixelRect& tile) {
   auto veil = hits_.veils().begin();
   const auto end = hits_.veils().end();
@@ -106,25 +95,25 @@ void TilePainter::write_hit(std::size_t pixel, const RayHit& hit, const double e
   }
   if (!frame_.normal) return;
   double n[3];
-  hit_normal(hit, eye_direction, n);
+  shader_.normal(hit, eye_direction, n);
   for (int c = 0; c < 3; ++c) {
     frame_.normal[3 * pixel + c] = float(n[0] * camera_.right[c] + n[1] * camera_.up[c] + n[2] * camera_.forward[c]);
   }
 }
 
-// Adds what a hit sends to the eye through what stands before it.
-void TilePainter::add_color(const RayHit& hit, const double eye_direction[3], double transmitted, double rgba[4]) {
-  const float* color = scene_.model.face_color + 4 * std::size_t(hit.patch->face);
-  const double opacity = std::min(1.0f, color[3]) * transmitted;
-  rgba[3] += opacity;
-  if (!frame_.color) return;
-  double normal[3], towards_eye[3];
-  hit_normal(hit, eye_direction, normal);
-  const double length = std::sqrt(Camera::dot(eye_direction, eye_direction));
-  for (int c = 0; c < 3; ++c) towards_eye[c] = -eye_direction[c] / length;
-  float rgb[3];
-  light(camera_, normal, towards_eye, color, rgb);
-  for (int c = 0; c < 3; ++c) rgba[c] += opacity * rgb[c];
+// Adds what the hit of the ray through (x, y) sends to the eye through what stands before it.
+void TilePainter::add_color(const RayHit& hit, double x, double y, double transmitted, double rgba[4]) {
+  double direction[3], point[3];
+  eye_direction(x, y, direction);
+  for (int c = 0; c < 3; ++c) point[c] = hit.depth * direction[c];
+  if (camera_.perspective) {
+    const double length = std::sqrt(Camera::dot(direction, direction));
+    for (int c = 0; c < 3; ++c) direction[c] /= length;
+  } else {
+    point[0] = (x - 0.5 * camera_.width) / camera_.scale;
+    point[1] = (0.5 * camera_.height - y) / camera_.scale;
+  }
+  shader_.add(hit, point, direction, transmitted, rgba);
 }
 
 // Means over the pixels' samples.
@@ -144,14 +133,18 @@ void TilePainter::write_color(const PixelRect& tile, const RayGrid& grid, int sa
         while (veil != end && veil->ray == ray) ++veil;
         if (!opaque.patch && veil == first_veil) continue;
         double* sum = sums.data() + 5 * (i / samples);
-        double direction[3], transmitted = 1.0;
-        eye_direction(grid.x(i) - grid.shift_x, grid.y(j) - grid.shift_y, direction);
+        sum[4] += 1.0;
+        if (!frame_.color) {
+          first_veil = veil;
+          continue;
+        }
+        const double x = grid.x(i) - grid.shift_x, y_ray = grid.y(j) - grid.shift_y;
+        double transmitted = 1.0;
         for (; first_veil != veil; ++first_veil) {
-          add_color(first_veil->hit, direction, transmitted, sum);
+          add_color(first_veil->hit, x, y_ray, transmitted, sum);
           transmitted *= 1.0 - scene_.model.face_color[4 * std::size_t(first_veil->hit.patch->face) + 3];
         }
-        if (opaque.patch) add_color(opaque, direction, transmitted, sum);
-        sum[4] += 1.0;
+        if (opaque.patch) add_color(opaque, x, y_ray, transmitted, sum);
       }
     }
     for (int x = 0; x < across; ++x) {
