@@ -64,7 +64,13 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"one of {names} (default: {DEFAULT_METHOD})",
     )
-    add("--samples", type=_count, default=4, metavar="N", help="scan planes per pixel row, or rays per pixel side (default: 4)")
+    add(
+        "--samples",
+        type=_count,
+        default=4,
+        metavar="N",
+        help="scan planes a pixel row, or rays a pixel side (default: 4)",
+    )
     add("--threads", type=_count, metavar="N", help="default: every core")
     add(
         "--buffers",

@@ -15,6 +15,8 @@ constexpr double kStraight = 0.12;
 constexpr int kRaysWorthClipping = 16;
 // Half the width of a bundle of one row or column of rays, in distances of rays: clipping it to a line pays nothing.
 constexpr double kRowWidth = 0.25;
+// A part of less than this many times the rounding of its control points is a point.
+constexpr double kTooSmall = 10.0;
 // Half the width that a single ray is given, in parts of the rounding of coordinates.
 constexpr double kThinnest = 1e5;
 // Where so few rays are left and there is no certificate they go on one by one.
@@ -123,10 +125,13 @@ void Clipper::visit(Part part, RayRect rect, int depth) {
     const ScreenHull hull(part.net, *patch_);
     if (hull.behind()) return;
     std::optional<Uniqueness> certificate;
+    double negligible = kNegligible;
     if (!hull.crosses_eye_plane()) {
       const double room = rounding / hull.w.lo;
       rect.clip(grid_, {hull.x.lo - room, hull.x.hi + room}, {hull.y.lo - room, hull.y.hi + room});
       if (rect.empty() || sink_->hidden(hull.nearest)) return;
+      negligible = std::max(kNegligible, kTooSmall * room);
+      if (rect.count() == 1 && std::max(hull.x.width(), hull.y.width()) < negligible) return add_point(part, rect);
       certificate.emplace(part.net);
       const double straight = rect.count() < kRaysWorthClipping ? Uniqueness::kLimit : kStraight;
       if (certificate->q <= straight) return solve(part, rect, *certificate);
@@ -140,10 +145,10 @@ void Clipper::visit(Part part, RayRect rect, int depth) {
     }
     if (certificate) {
       if (certificate->holds()) return solve(part, rect, *certificate);
-      if (visit_single_rays(part, rect, depth)) return;
+      if (visit_single_rays(part, rect, negligible, depth)) return;
     }
     if (depth >= kMaxDepth) {
-      ++unresolved_;
+      unresolved_ += !hull.crosses_eye_plane();  // where the surface passes through the eye nothing is visible
       return;
     }
     if (!outside_region(part)) split(part, rect, depth);
@@ -192,9 +197,9 @@ void Clipper::solve(const Part& part, const RayRect& rect, const Uniqueness& cer
 }
 
 // Where few rays pass through the part, each goes on by itself; false if there are too many, or only one already.
-bool Clipper::visit_single_rays(const Part& part, const RayRect& rect, int depth) {
+bool Clipper::visit_single_rays(const Part& part, const RayRect& rect, double negligible, int depth) {
   const Strip strip(part.net);
-  if (strip.width() < kNoArea) return true;
+  if (strip.width() < negligible) return true;
   if (rect.count() == 1) return false;
   const double room = kRounding * patch_->magnitude;
   int count = 0;
@@ -211,9 +216,25 @@ bool Clipper::visit_single_rays(const Part& part, const RayRect& rect, int depth
   return true;
 }
 
+// A part too small to look into any further, as a hit of the ray in its middle.
+void Clipper::add_point(const Part& part, const RayRect& ray) {
+  Part inside = part;
+  if (outside_region(inside)) return;
+  const double s = 0.5 * (part.box.s0 + part.box.s1), t = 0.5 * (part.box.t0 + part.box.t1);
+  const Jet jet = evaluate(patch_->net, s, t);
+  solved_.count = 1;
+  solved_.ray[0] = double(ray.j0) * grid_.columns + ray.i0;
+  solved_.s[0] = solved_.s_in[0] = s;
+  solved_.t[0] = solved_.t_in[0] = t;
+  solved_.depth[0] = jet.p[patch_->depth_numerator()] / jet.p[patch_->depth_denominator()];
+  for (auto& component : solved_.normal) component[0] = 0.0;
+  sink_->add(*patch_, inside.region, solved_);
+}
+
 void Clipper::split(const Part& part, const RayRect& rect, int depth) {
   const RayBundle bundle = bundle_of(grid_, rect, 0.0);
-  const double depth_scale = patch_->perspective ? grid_.step * std::max(grid_.columns, grid_.rows) : 0.0;
+  // Across the eye plane the screen says little: there the distance from it counts too, as the weight does.
+  const double depth_scale = ScreenHull(part.net, *patch_).crosses_eye_plane() ? grid_.step * grid_.columns : 0.0;
   const bool along_a = length_along(part.net, true, bundle.x, bundle.y, depth_scale) >=
                        length_along(part.net, false, bundle.x, bundle.y, depth_scale);
   double *left = stored(depth, 1), *right = stored(depth, 2);

@@ -28,9 +28,10 @@ class HitSink {
 // Each turn of the loop drops the rays that the control points' hull misses, drops the part of the patch that no ray
 // meets (hull_clip.h), and looks whether the rest is certified (uniqueness.h). A certified part is solved for all
 // rays together by Newton's method. Where clipping stalls, several roots may be there: the part is halved, and few
-// rays go on one by one, for which clipping is sharper. What is left at a silhouette or a pole when it has become
-// narrower than kNoArea on the screen bounds no area and is dropped. One per thread. Memory: two nets of the patch for
-// each halving, at most kMaxDepth of them.
+// rays go on one by one, for which clipping is sharper. What is still not certified when it is narrower on the screen
+// than kNegligible, or than some rounding, is taken for a point that the ray meets if it is small both ways (a pole),
+// and dropped if it is not, for it bounds no area (a silhouette, a patch seen edge-on). One per thread. Memory: three
+// nets of the patch for each halving, at most kMaxDepth of them.
 class Clipper {
  public:
   // The rays to come. `camera`: of the normals; null: none wanted.
@@ -48,7 +49,8 @@ class Clipper {
   int64_t unresolved() const { return unresolved_; }
 
  private:
-  static constexpr double kNoArea = 1e-9;  // pixels
+  // Pixels; well below the shift of the samples (raster/scan_planes.h), by which a ray may miss a pole.
+  static constexpr double kNegligible = 1e-10;
   static constexpr int kMaxDepth = 100;
   static constexpr int kMaxNodes = 1 << 20;  // for one patch and one bundle
 
@@ -62,7 +64,8 @@ class Clipper {
   static void clip(Part& part, Interval a, Interval b, double* points);
   bool outside_region(Part& part) const;
   void solve(const Part& part, const RayRect& rect, const Uniqueness& certificate);
-  bool visit_single_rays(const Part& part, const RayRect& rect, int depth);
+  bool visit_single_rays(const Part& part, const RayRect& rect, double negligible, int depth);
+  void add_point(const Part& part, const RayRect& ray);
   void split(const Part& part, const RayRect& rect, int depth);
   double* stored(int depth, int which);
 

@@ -205,7 +205,8 @@ HWY_INLINE Vec dot(const Vec* p, const Vec* q) {
 
 // Unit normals towards the eye; zero where the tangents span no plane or one of them is rounding (patch_normal.cpp
 // states the same bounds).
-HWY_INLINE void lane_normal(const Camera& camera, const LaneJet& jet, Vec* normal) {
+// Derivatives are by a leaf's parameters, `s_width` and `t_width` long in the patch's, of which the bounds are.
+HWY_INLINE void lane_normal(const Camera& camera, const LaneJet& jet, double s_width, double t_width, Vec* normal) {
   Vec p[4], pa[4], pb[4], a[3], b[3];
   unproject(camera, jet.p, p);
   unproject(camera, jet.pa, pa);
@@ -219,9 +220,11 @@ HWY_INLINE void lane_normal(const Camera& camera, const LaneJet& jet, Vec* norma
     const int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
     normal[c] = hn::MulSub(a[c1], b[c2], hn::Mul(a[c2], b[c1]));
   }
-  const Vec la = dot(a, a), lb = dot(b, b), size = dot(normal, normal), tiny = set(1e-12);
-  const Mask sound = hn::And(hn::And(hn::Ge(la, hn::Mul(tiny, lb)), hn::Ge(lb, hn::Mul(tiny, la))),
-                             hn::Gt(size, hn::Mul(set(1e-18), hn::Mul(la, lb))));
+  const Vec la = dot(a, a), lb = dot(b, b), size = dot(normal, normal);
+  const double shape = (s_width * s_width) / (t_width * t_width);
+  const Mask sound =
+      hn::And(hn::And(hn::Ge(la, hn::Mul(set(1e-12 * shape), lb)), hn::Ge(lb, hn::Mul(set(1e-12 / shape), la))),
+              hn::Gt(size, hn::Mul(set(1e-18), hn::Mul(la, lb))));
   const Vec away = camera.perspective ? dot(normal, p) : normal[2];
   const Vec scale = hn::IfThenElseZero(sound, hn::Div(set(1.0), hn::Sqrt(size)));
   const Vec signed_scale = hn::IfThenElse(hn::Gt(away, hn::Zero(kLanes)), hn::Neg(scale), scale);
@@ -341,7 +344,7 @@ class LaneSolver {
     hn::CompressStore(depth, inside, kLanes, out_.depth + at);
     if (camera_) {
       Vec normal[3];
-      lane_normal(*camera_, jet, normal);
+      lane_normal(*camera_, jet, s_width_, t_width_, normal);
       for (int c = 0; c < 3; ++c) hn::CompressStore(normal[c], inside, kLanes, out_.normal[c] + at);
     }
     out_.count += int(hn::CountTrue(kLanes, inside));
@@ -423,7 +426,7 @@ RayLeaf::RayLeaf(const RayPatch& p, const PatchBox& b, const Net& part, const Un
   // the leaf. Normals stay those of before the step and turn by q times the step: the digits of a float32.
   const double q = std::max(unique.q, 1e-12);
   const double last = std::min({1e-2, std::sqrt(2.5e-12 / q), 5e-8 / q});
-  for (int c = 0; c < 2; ++c) tolerance[c] = std::max(last, rounding[c]);
+  for (int c = 0; c < 2; ++c) tolerance[c] = std::max(last, 4.0 * rounding[c]);
 }
 
 void solve_rays(const RayLeaf& leaf, const RayGrid& grid, const RayRect& rect, const double* farthest,

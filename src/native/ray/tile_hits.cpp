@@ -4,13 +4,6 @@
 #include <cmath>
 
 namespace nofacet {
-namespace {
-
-// Parameters of a patch that differ by less are of one root.
-constexpr double kSameRoot = 1e-9;
-
-}  // namespace
-
 void TileHits::reset(int rays) {
   farthest_.assign(rays + SolvedRays::kPadding, INFINITY);
   std::fill(farthest_.begin() + rays, farthest_.end(), -INFINITY);
@@ -63,9 +56,8 @@ void TileHits::sort_veils() {
     return p.ray != q.ray ? p.ray < q.ray : p.hit.depth < q.hit.depth;
   });
   // A root on the border of two parts of a patch is found twice.
-  const auto same = [](const Veil& p, const Veil& q) {
-    return p.ray == q.ray && p.hit.patch == q.hit.patch && std::fabs(p.hit.s - q.hit.s) < kSameRoot &&
-           std::fabs(p.hit.t - q.hit.t) < kSameRoot;
+  const auto same = [&](const Veil& p, const Veil& q) {
+    return p.ray == q.ray && p.hit.patch == q.hit.patch && q.hit.depth - p.hit.depth <= scene_.tie;
   };
   veils_.erase(std::unique(veils_.begin(), veils_.end(), same), veils_.end());
 }
