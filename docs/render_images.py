@@ -31,10 +31,18 @@ def main() -> None:
         if name == "flange":
             size = 1200, 560
             draw(model, nofacet.Camera.fit(model, (-1, 1, -0.8), resolution=size), size, "flange_large")
+            draw_mirrored(model, "flange_mirrored")
 
 
 def draw(model: nofacet.Model, camera: nofacet.Camera, resolution: tuple[int, int], name: str) -> None:
     frame = nofacet.render(model, camera, resolution, samples=8, edges=True)
+    frame.over(WHITE).save(ROOT / "docs" / "images" / f"{name}.png")
+
+
+def draw_mirrored(model: nofacet.Model, name: str) -> None:
+    size = 640, 360
+    camera = nofacet.Camera.fit(model, (1, 0.8, -0.7), "perspective", size)
+    frame = nofacet.render(model, camera, size, "bezier_clip_ray", samples=4, shadows=True, reflectance=0.3)
     frame.over(WHITE).save(ROOT / "docs" / "images" / f"{name}.png")
 
 

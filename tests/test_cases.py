@@ -10,6 +10,7 @@ import pytest
 import nofacet
 from conftest import SHARED_MODELS, model_of
 from nofacet.model import PatchGroup
+from scenes import compare_methods
 
 CASES = Path(__file__).parent / "cases"
 
@@ -52,3 +53,4 @@ def test_camera_that_once_went_wrong(case: dict[str, Any]) -> None:
     assert frame.stats["unresolved"] == 0
     assert frame.stats["pieces"] < case["max_pieces"]
     assert (frame.face >= 0).any()
+    compare_methods(model, nofacet.Camera.from_dict(case["camera"]), (320, 240))

@@ -104,6 +104,13 @@ def test_png_to_standard_output(stand: Stand, monkeypatch: pytest.MonkeyPatch) -
     assert stdout.buffer.getvalue().startswith(b"\x89PNG")
 
 
+def test_secondary_rays(stand: Stand) -> None:
+    assert run("--output=part.png") == 0
+    assert not stand.rendered["shadows"] and stand.rendered["reflectance"] == 0
+    assert run("--output=part.png", "--method=bezier_clip_ray", "--shadows", "--reflectance=0.25") == 0
+    assert stand.rendered["shadows"] and stand.rendered["reflectance"] == 0.25
+
+
 def test_camera_options(stand: Stand) -> None:
     def camera(*options: str) -> Camera:
         assert run("--output=part.png", *options) == 0
@@ -174,6 +181,9 @@ def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments
         (["--camera=list.json", "--camera-direction=top"], "leave out --camera-direction"),
         (["--method=bezier_clip_scan"], "did you mean bezier_clip_scanline?"),
         (["--samples=257"], "give 1 to 256"),
+        (["--shadows"], "casts neither shadows nor mirror images; choose bezier_clip_ray"),
+        (["--reflectance=0.5"], "casts neither shadows nor mirror images; choose bezier_clip_ray"),
+        (["--reflectance=1", "--method=bezier_clip_ray"], "'1' is not a share from 0 to below 1"),
         (["--threads=1025"], "give 1 to 1024"),
         (["--output=part.jpg"], "use .png, .exr or .npz"),
         (["--output=part"], "use .png, .exr or .npz"),

@@ -145,8 +145,8 @@ Camera make_camera(std::tuple<double, double, double> eye, Array<double, nb::sha
 
 nb::dict render(const BoundScene& bound, const std::string& method_name, std::tuple<double, double, double> eye,
                 Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height, int samples,
-                int threads, bool edges, Buffer<float> color, Buffer<float> coverage, Buffer<double> depth,
-                Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
+                int threads, bool edges, bool shadows, double reflectance, Buffer<float> color, Buffer<float> coverage,
+                Buffer<double> depth, Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
   const Method* method = find_method(method_name);
   if (!method) throw std::invalid_argument("unknown method " + method_name);
   const Camera camera = make_camera(eye, axes, scale, perspective, width, height);
@@ -161,7 +161,7 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
   RenderStats stats;
   {
     nb::gil_scoped_release release;
-    stats = method->render(*bound.scene, camera, {samples, threads, edges}, frame);
+    stats = method->render(*bound.scene, camera, {samples, threads, edges, shadows, reflectance}, frame);
   }
   nb::dict result;
   result["project_seconds"] = stats.project_seconds;
@@ -384,6 +384,11 @@ nb::object rectangles_of(nb::handle loops, BoxRows boxes) {
   return owned_flags(rectangles(view, boxes.data(), boxes.shape(0)));
 }
 
+bool casts_secondary_rays(const std::string& name) {
+  const Method* method = find_method(name);
+  return method && method->secondary_rays;
+}
+
 }  // namespace
 
 NB_MODULE(_native, module) {
@@ -392,9 +397,9 @@ NB_MODULE(_native, module) {
       .def("__init__", &init_scene, nb::arg("model"))
       .def("render", &render, nb::arg("method"), nb::arg("eye"), nb::arg("axes"), nb::arg("scale"),
            nb::arg("perspective"), nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"),
-           nb::arg("edges"), nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(),
-           nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(),
-           nb::arg("normal") = nb::none(),
+           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("color") = nb::none(),
+           nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(),
+           nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.")
       .def("floor", &measure_scene_floor, nb::arg("face"), nb::arg("uv"), nb::arg("repeats"),
            "Seconds that evaluating every shown sample takes where its (u, v) is known; from a frame's face and uv.")
@@ -404,6 +409,8 @@ NB_MODULE(_native, module) {
   module.def("frame_buffer", &frame_buffer, nb::arg("bytes"),
              "Uninitialised uint8 array of shape (bytes,) in memory that is used again for later frames.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
+  module.def("casts_secondary_rays", &casts_secondary_rays, nb::arg("method"),
+             "Whether the method offers shadows and mirror reflection.");
   module.def("surface_points", &surface_points_of, nb::arg("model"),
              "Samples (N, 3) of the drawn surface, by definition, and where each definition's begin (D + 1,).");
   module.def("support", &support_of, nb::arg("model"), nb::arg("directions"),

@@ -11,9 +11,11 @@
 namespace nofacet {
 
 struct RenderOptions {
-  int samples = 4;  // scan planes a pixel row for colour and coverage
+  int samples = 4;  // for colour and coverage: scan planes a pixel row, or rays a pixel's side
   int threads = 1;
   bool edges = false;
+  bool shadows = false;      // only methods that cast secondary rays
+  double reflectance = 0.0;  // in [0, 1); the same
 };
 
 // What a frame cost and met. Seconds are wall-clock, summed over the threads.
@@ -27,10 +29,12 @@ struct RenderStats {
 
 struct Method {
   const char* name;
+  bool secondary_rays;  // whether it can cast shadows and mirror
   RenderStats (*render)(const Scene&, const Camera&, const RenderOptions&, const Frame&);
 };
 
 RenderStats render_bezier_clip_scanline(const Scene&, const Camera&, const RenderOptions&, const Frame&);
+RenderStats render_bezier_clip_ray(const Scene&, const Camera&, const RenderOptions&, const Frame&);
 
 const std::vector<Method>& methods();
 // Null if there is none of that name.

@@ -106,7 +106,15 @@ def _render(options: argparse.Namespace) -> int:
     _check_output(options, output, to_stdout)
     buffers = _rendered_buffers(options, output)
     try:
-        check_request(options.resolution, options.method, options.samples, options.threads, buffers)
+        check_request(
+            options.resolution,
+            options.method,
+            options.samples,
+            options.threads,
+            buffers,
+            options.shadows,
+            options.reflectance,
+        )
     except ValueError as error:
         raise UsageError(str(error)) from None
     camera = _camera_from_file(options)
@@ -123,6 +131,8 @@ def _render(options: argparse.Namespace) -> int:
             threads=options.threads,
             buffers=buffers,
             edges=options.edges,
+            shadows=options.shadows,
+            reflectance=options.reflectance,
         )
     incomplete = frame.stats.get("unresolved_faces", ())
     for face in incomplete:

@@ -84,7 +84,13 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"one of {names} (default: {DEFAULT_METHOD})",
     )
-    add("--samples", type=_count, default=4, metavar="N", help="scan planes per pixel row (default: 4)")
+    add(
+        "--samples",
+        type=_count,
+        default=4,
+        metavar="N",
+        help="scan planes a pixel row, or rays a pixel side (default: 4)",
+    )
     add("--threads", type=_count, metavar="N", help="default: every core")
     add(
         "--buffers",
@@ -93,6 +99,14 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         help=f"for .exr and .npz: some of {','.join(BUFFERS)} (default: all)",
     )
     add("--edges", action="store_true", help="draw the model's edges as lines")
+    add("--shadows", action="store_true", help="cast shadows (only --method=bezier_clip_ray)")
+    add(
+        "--reflectance",
+        type=_share,
+        default=0.0,
+        metavar="R",
+        help="mirror this share, from 0 to below 1 (only --method=bezier_clip_ray; default: 0)",
+    )
     add(
         "--background-color",
         type=_color,
@@ -143,6 +157,13 @@ def _positive(text: str) -> float:
     (value,) = _numbers(text, 1, "2.5")
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not positive")
+    return value
+
+
+def _share(text: str) -> float:
+    (value,) = _numbers(text, 1, "0.3")
+    if not 0 <= value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a share from 0 to below 1")
     return value
 
 

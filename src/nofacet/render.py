@@ -36,20 +36,26 @@ def render(
     threads: int | None = None,
     buffers: Sequence[str] = DEFAULT_BUFFERS,
     edges: bool = False,
+    shadows: bool = False,
+    reflectance: float = 0.0,
 ) -> Frame:
     """Draw `model` as `camera` sees it.
 
     resolution: width and height in pixels.
     method: one of `methods()`.
-    samples: scan planes a pixel row that colour and coverage are averaged over (along x they are exact).
+    samples: what colour and coverage are averaged over: scan planes a pixel row (along x they are exact), or with
+        "bezier_clip_ray" samples x samples rays a pixel.
     threads: None uses every core; no pixel depends on it.
     buffers: names from `nofacet.frame.BUFFERS`; only these are computed ("position" needs no "depth" beside it).
     edges: draw the B-rep's edges as fine lines into `color`.
+    shadows: of the key light; opaque faces cast them. Only with a method that casts secondary rays.
+    reflectance: share of the mirror image in every face's colour, 0 to below 1; four bounces. Where it shows nothing,
+        `color` lets that share of the background through. Only with a method that casts secondary rays.
 
     Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw.
     The frame's `stats` hold the stages' times in seconds and counts.
     """
-    check_request(resolution, method, samples, threads, buffers)
+    check_request(resolution, method, samples, threads, buffers, shadows, reflectance)
     if not model.groups:
         raise InputError(f"{model.source}: no face could be converted, there is nothing to draw; see its warnings")
     width, height = resolution
@@ -76,13 +82,21 @@ def render(
         samples=samples,
         threads=threads or os.cpu_count() or 1,
         edges=edges,
+        shadows=shadows,
+        reflectance=reflectance,
         **arrays,
     )
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
 
 
 def check_request(
-    resolution: tuple[int, int], method: str, samples: int, threads: int | None, buffers: Sequence[str]
+    resolution: tuple[int, int],
+    method: str,
+    samples: int,
+    threads: int | None,
+    buffers: Sequence[str],
+    shadows: bool = False,
+    reflectance: float = 0.0,
 ) -> None:
     """Raise ValueError, in one line, for what render() would refuse whatever the model and the camera."""
     width, height = resolution
@@ -93,10 +107,15 @@ def check_request(
     if method not in methods():
         raise ValueError(f"unknown method {method!r}; choose one of {', '.join(methods())}")
     if not 1 <= samples <= 256:
-        raise ValueError(f"samples {samples}: give 1 to 256 scan planes a pixel row")
+        raise ValueError(f"samples {samples}: give 1 to 256")
     if threads is not None and not 1 <= threads <= 1024:
         raise ValueError(f"threads {threads}: give 1 to 1024, or None for every core")
     unknown = [name for name in buffers if name not in BUFFERS]
     if unknown or not buffers:
         what = f"unknown buffer {unknown[0]!r}" if unknown else "no buffer asked for"
         raise ValueError(f"{what}; choose from {', '.join(BUFFERS)}")
+    if not 0 <= reflectance < 1:
+        raise ValueError(f"reflectance {reflectance}: give a share from 0 to below 1")
+    if (shadows or reflectance) and not _native.casts_secondary_rays(method):
+        able = ", ".join(name for name in methods() if _native.casts_secondary_rays(name))
+        raise ValueError(f"method {method!r} casts neither shadows nor mirror images; choose {able}")

@@ -6,16 +6,6 @@
 
 namespace nofacet {
 
-// A tangent shorter than this part of the other one is taken for degenerate.
-inline constexpr double kDegenerate = 1e-6;
-// Tangents span no plane if their product is smaller than this part of the product of their lengths.
-inline constexpr double kFlat = 1e-9;
-
-// The light: one from a little above and to the left of the eye, so that faces tilted either way differ; one from the
-// eye; a sky, brighter above; and a highlight.
-inline constexpr double kKeyLight[3] = {-0.29, 0.35, -0.89};  // direction towards it, in eye space
-inline constexpr double kAmbient = 0.10, kSky = 0.17, kFacing = 0.25, kKey = 0.48, kGloss = 0.10;
-
 // A piece so small a part of its patch that it has lost the digits that its derivatives are made of.
 bool is_tiny(const Piece& piece);
 

@@ -21,6 +21,7 @@ Region::Region(const Model& model, std::size_t definition) {
     add_segment(model.segment_points + 3 * model.segment_offsets[k], degree);
   }
   fill_bins();
+  add_knots();
   orientation_ = signed_area() < 0 ? -1 : 1;
 }
 
@@ -87,6 +88,52 @@ void Region::fill_bins() {
   }
 }
 
+void Region::add_knots() {
+  for (const TrimArc& arc : arcs_) {
+    const bool straight = arc.degree == 1 && arc.points[2] == arc.points[5];
+    first_knot_.push_back(straight ? -1 : int32_t(knots_.size()));
+    if (straight) continue;
+    knots_.push_back({arc.u0, arc.v0});
+    for (int k = 1; k < kKnots; ++k) {
+      const CurvePoint point = arc.at(arc.t0 + (arc.t1 - arc.t0) * k / kKnots);
+      knots_.push_back({point.u, point.v});
+    }
+    knots_.push_back({arc.u1, arc.v1});
+  }
+}
+
+// Whether an arc whose v range holds v passes left of u there.
+bool Region::passes_left_of(std::size_t index, double u, double v) const {
+  const TrimArc& arc = arcs_[index];
+  const Interval range = arc.u_range();
+  if (u < range.lo) return false;
+  if (u >= range.hi) return true;
+  TrimArc part = arc;
+  if (first_knot_[index] >= 0) {
+    const Knot* knots = knots_.data() + first_knot_[index];
+    const bool rising = arc.v1 > arc.v0;
+    const auto before = [&](const Knot& knot) { return rising ? knot.v <= v : knot.v > v; };
+    const int k = std::clamp(int(std::partition_point(knots, knots + kKnots + 1, before) - knots) - 1, 0, kKnots - 1);
+    const double step = (arc.t1 - arc.t0) / kKnots;
+    part.t0 = arc.t0 + step * k, part.t1 = k + 1 == kKnots ? arc.t1 : arc.t0 + step * (k + 1);
+    part.u0 = knots[k].u, part.v0 = knots[k].v, part.u1 = knots[k + 1].u, part.v1 = knots[k + 1].v;
+    const Interval part_range = part.u_range();
+    if (u < part_range.lo) return false;
+    if (u >= part_range.hi) return true;
+  }
+  return part.at(part.parameter_at_v(v)).u <= u;
+}
+
+bool Region::clear(Interval u, Interval v) const {
+  if (bins_ == 0 || v.hi < v_min_ || v.lo > v_max_) return true;
+  const auto meets = [](Interval p, Interval q) { return p.lo <= q.hi && q.lo <= p.hi; };
+  for (int32_t index = bin_offsets_[bin(v.lo)], end = bin_offsets_[bin(v.hi) + 1]; index < end; ++index) {
+    const TrimArc& arc = arcs_[bin_arcs_[index]];
+    if (meets(arc.u_range(), u) && meets(arc.v_range(), v)) return false;
+  }
+  return true;
+}
+
 bool Region::contains(double u, double v) const {
   if (bins_ == 0 || v < v_min_ || v > v_max_) return false;
   int winding = 0;
@@ -95,10 +142,7 @@ bool Region::contains(double u, double v) const {
     const TrimArc& arc = arcs_[bin_arcs_[index]];
     const Interval v_range = arc.v_range();
     if (v < v_range.lo || v >= v_range.hi) continue;  // half-open: a joint is counted once
-    const Interval u_range = arc.u_range();
-    if (u < u_range.lo) continue;
-    const bool left = u >= u_range.hi || arc.at(arc.parameter_at_v(v)).u <= u;
-    if (left) winding += arc.v1 < arc.v0 ? orientation_ : -orientation_;
+    if (passes_left_of(bin_arcs_[index], u, v)) winding += arc.v1 < arc.v0 ? orientation_ : -orientation_;
   }
   return winding > 0 && winding % 2 == 1;
 }

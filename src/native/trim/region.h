@@ -18,6 +18,8 @@ class Region {
 
   const std::vector<TrimArc>& arcs() const { return arcs_; }
   bool contains(double u, double v) const;
+  // Whether no arc's box meets the box [u] x [v]: then all of it is inside, or all of it outside.
+  bool clear(Interval u, Interval v) const;
 
  private:
   std::vector<TrimArc> arcs_;
@@ -26,10 +28,20 @@ class Region {
   double v_min_ = 0.0, v_max_ = 0.0, bins_per_v_ = 0.0;
   int bins_ = 0;
   int orientation_ = 1;
+  // Points on curved arcs, kKnots + 1 each, at equal steps of their parameters: between two of them an arc's box is so
+  // much smaller. The first one's index for each arc; -1: straight.
+  static constexpr int kKnots = 16;
+  struct Knot {
+    double u, v;
+  };
+  std::vector<int32_t> first_knot_;
+  std::vector<Knot> knots_;
 
   void add_segment(const double* points, int degree);
   double signed_area() const;
   void fill_bins();
+  void add_knots();
+  bool passes_left_of(std::size_t arc, double u, double v) const;
   int bin(double v) const;
 };
 

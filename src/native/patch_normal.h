@@ -1,0 +1,27 @@
+// Normals from homogeneous derivatives, also where the surface has none of its own: at poles and cones' tips.
+#pragma once
+#include <cstdint>
+
+#include "camera.h"
+#include "scene.h"
+
+namespace nofacet {
+
+// The two tangents of a surface, as long as its derivatives.
+struct Tangents {
+  double a[3], b[3];
+
+  // From the homogeneous point and derivatives (x, y, z, w) of a surface, w last.
+  Tangents(const double p[4], const double pa[4], const double pb[4]);
+  // Whether one of them is so short that its direction is rounding.
+  bool degenerate() const;
+  // Unit cross product; false if the tangents span no plane.
+  bool cross(double normal[3]) const;
+};
+
+// Unit normal in eye space of a placed face at the parameters (s, t) of one of its patches, from the patch itself.
+// Where a tangent vanishes, the limit from inside the patch.
+void patch_normal(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double s,
+                  double t, double normal[3]);
+
+}  // namespace nofacet

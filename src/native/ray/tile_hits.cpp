@@ -1,0 +1,65 @@
+#include "ray/tile_hits.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nofacet {
+void TileHits::reset(int rays) {
+  farthest_.assign(rays + SolvedRays::kPadding, INFINITY);
+  std::fill(farthest_.begin() + rays, farthest_.end(), -INFINITY);
+  hits_.resize(rays);
+  for (RayHit& hit : hits_) hit.patch = nullptr, hit.depth = INFINITY;
+  veils_.clear();
+  farthest_of_all_ = INFINITY;
+  changed_ = false;
+}
+
+bool TileHits::shown_before(const RayHit& hit, const RayHit& other) const {
+  if (!other.patch) return true;
+  const bool tie = std::fabs(hit.depth - other.depth) <= scene_.tie;
+  return tie ? hit.patch->face < other.patch->face : hit.depth < other.depth;
+}
+
+void TileHits::add(const RayPatch& patch, const Region* region, const SolvedRays& solved) {
+  const bool veil = scene_.transparent && scene_.lets_light_through(patch);
+  const Scene::PatchRef& ref = *patch.patch;
+  for (int k = 0; k < solved.count; ++k) {
+    const int ray = int(solved.ray[k]);
+    const RayHit hit{&patch,
+                     solved.depth[k],
+                     solved.s[k],
+                     solved.t[k],
+                     {solved.normal[0][k], solved.normal[1][k], solved.normal[2][k]}};
+    if (veil ? hit.depth > farthest_[ray] : !shown_before(hit, hits_[ray])) continue;
+    if (region && !region->contains(ref.u.face_from_patch(solved.s_in[k]), ref.v.face_from_patch(solved.t_in[k]))) {
+      continue;
+    }
+    if (veil) {
+      veils_.push_back({ray, hit});
+      continue;
+    }
+    hits_[ray] = hit;
+    farthest_[ray] = hit.depth + scene_.tie;
+    changed_ = true;
+  }
+}
+
+void TileHits::end_patch() {
+  if (!changed_) return;
+  changed_ = false;
+  farthest_of_all_ = *std::max_element(farthest_.begin(), farthest_.end());
+}
+
+void TileHits::sort_veils() {
+  std::erase_if(veils_, [&](const Veil& veil) { return !shown_before(veil.hit, hits_[veil.ray]); });
+  std::stable_sort(veils_.begin(), veils_.end(), [](const Veil& p, const Veil& q) {
+    return p.ray != q.ray ? p.ray < q.ray : p.hit.depth < q.hit.depth;
+  });
+  // A root on the border of two parts of a patch is found twice.
+  const auto same = [&](const Veil& p, const Veil& q) {
+    return p.ray == q.ray && p.hit.patch == q.hit.patch && q.hit.depth - p.hit.depth <= scene_.tie;
+  };
+  veils_.erase(std::unique(veils_.begin(), veils_.end(), same), veils_.end());
+}
+
+}  // namespace nofacet

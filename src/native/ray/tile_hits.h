@@ -1,0 +1,56 @@
+// What the rays of one tile hit.
+#pragma once
+#include <vector>
+
+#include "ray/clipper.h"
+#include "ray/ray_scene.h"
+
+namespace nofacet {
+
+// A point in which a ray meets a surface.
+struct RayHit {
+  const RayPatch* patch;  // null: none
+  double depth;
+  double s, t;       // of the patch
+  double normal[3];  // eye space; zero: the derivatives give none
+};
+
+// Keeps the nearest opaque hit of each ray, and the transparent ones in front of it.
+// Memory: 72 bytes a ray of the tile, and 72 a transparent hit.
+class TileHits final : public HitSink {
+ public:
+  // A transparent hit, and whose ray's it is.
+  struct Veil {
+    int ray;
+    RayHit hit;
+  };
+
+  explicit TileHits(const RayScene& scene) : scene_(scene) {}
+
+  // Forgets everything; `rays` may be hit.
+  void reset(int rays);
+  // To be called when another patch has been traced.
+  void end_patch();
+  // To be called when all patches have been: the veils hidden by opaque hits go, the others come in the order of
+  // rays, for each from the nearest to the farthest.
+  void sort_veils();
+
+  const RayHit& opaque(int ray) const { return hits_[ray]; }
+  const std::vector<Veil>& veils() const { return veils_; }
+  // Of two hits of a ray, whether the first is the one shown.
+  bool shown_before(const RayHit& hit, const RayHit& other) const;
+
+  bool hidden(double nearest) const override { return nearest > farthest_of_all_; }
+  const double* farthest() const override { return farthest_.data(); }
+  void add(const RayPatch& patch, const Region* region, const SolvedRays& solved) override;
+
+ private:
+  const RayScene& scene_;
+  std::vector<double> farthest_;  // depth of the opaque hit, and the tie tolerance more
+  std::vector<RayHit> hits_;
+  std::vector<Veil> veils_;
+  double farthest_of_all_ = INFINITY;
+  bool changed_ = false;
+};
+
+}  // namespace nofacet
