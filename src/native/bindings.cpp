@@ -170,6 +170,7 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
   result["visibility_seconds"] = stats.visibility_seconds;
   result["shade_seconds"] = stats.shade_seconds;
   result["average_seconds"] = stats.average_seconds;
+  result["trace_seconds"] = stats.trace_seconds;
   result["edge_seconds"] = stats.edge_seconds;
   result["pieces"] = stats.pieces;
   result["unresolved"] = stats.unresolved;

@@ -21,7 +21,7 @@ struct RenderOptions {
 // What a frame cost and met. Seconds are wall-clock, summed over the threads.
 struct RenderStats {
   double project_seconds = 0.0, subdivide_seconds = 0.0, span_seconds = 0.0, visibility_seconds = 0.0,
-         shade_seconds = 0.0, average_seconds = 0.0, edge_seconds = 0.0;
+         shade_seconds = 0.0, average_seconds = 0.0, trace_seconds = 0.0, edge_seconds = 0.0;
   int64_t pieces = 0;
   int64_t unresolved = 0;  // pieces left out because they could not be certified; 0 in a sound frame
   std::vector<int32_t> unresolved_faces;

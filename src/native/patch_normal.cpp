@@ -8,8 +8,6 @@
 namespace nofacet {
 namespace {
 
-// A tangent shorter than this part of the other one is taken for degenerate.
-constexpr double kDegenerate = 1e-6;
 
 double length(const double* v) { return std::sqrt(Camera::dot(v, v)); }
 
@@ -48,7 +46,7 @@ bool Tangents::degenerate() const {
 bool Tangents::cross(double normal[3]) const {
   for (int c = 0; c < 3; ++c) normal[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
   const double size = length(normal);
-  if (!(size > 1e-9 * length(a) * length(b))) return false;
+  if (!(size > kFlat * length(a) * length(b))) return false;
   for (int c = 0; c < 3; ++c) normal[c] /= size;
   return true;
 }

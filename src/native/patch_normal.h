@@ -7,6 +7,11 @@
 
 namespace nofacet {
 
+// A tangent shorter than this part of the other one is taken for degenerate.
+inline constexpr double kDegenerate = 1e-6;
+// Tangents span no plane if their product is smaller than this part of the product of their lengths.
+inline constexpr double kFlat = 1e-9;
+
 // The two tangents of a surface, as long as its derivatives.
 struct Tangents {
   double a[3], b[3];

@@ -9,7 +9,6 @@
 // search, several rays at a time. The trim test counts crossings of a line in (u, v) with the loops, which are kept
 // cut into monotone arcs; the paper clips the loops. Either finds the same crossings.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -20,13 +19,10 @@
 #include "ray/part_tree.h"
 #include "ray/ray_scene.h"
 #include "ray/tile_painter.h"
+#include "stopwatch.h"
 
 namespace nofacet {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // The tiles of the interval [lo, hi] of pixels, as a first and a last index; no tile if it is empty or off screen.
 struct TileRange {
@@ -72,14 +68,13 @@ void paint_band(TilePainter& painter, const std::vector<const RayPatch*>& patche
 RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                    const Frame& frame) {
   RenderStats stats;
-  auto start = Clock::now();
+  Stopwatch watch;
   const RayScene rays(scene, camera, options.threads);
   const auto bands = sort_into_bands(rays, frame.height);
   std::optional<PartTree> tree;
   if (frame.color && (options.shadows || options.reflectance > 0.0)) tree.emplace(scene, camera);
-  stats.subdivide_seconds = seconds_since(start);
+  watch.lap(stats.project_seconds);
 
-  start = Clock::now();
   std::vector<std::unique_ptr<TilePainter>> painters;
   for (int k = 0; k < options.threads; ++k) {
     painters.push_back(std::make_unique<TilePainter>(scene, camera, rays, options, tree ? &*tree : nullptr, frame));
@@ -91,12 +86,11 @@ RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, con
     stats.unresolved += painter->clipper().unresolved();
     if (const Clipper* secondary = painter->shader().clipper()) stats.unresolved += secondary->unresolved();
   }
-  stats.scan_seconds = seconds_since(start);
+  watch.lap(stats.trace_seconds);
 
   if (options.edges && frame.color && frame.depth) {
-    start = Clock::now();
     draw_edge_lines(scene, camera, options.threads, frame);
-    stats.edge_seconds = seconds_since(start);
+    watch.lap(stats.edge_seconds);
   }
   return stats;
 }

@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "hwy/foreach_target.h"
+#include "light.h"
+#include "patch_normal.h"
 #include "raster/fill.h"
 #include "raster/shade.h"
 #include "raster/span_lanes-inl.h"

@@ -239,11 +239,10 @@ void Clipper::split(const Part& part, const RayRect& rect, int depth) {
                        length_along(part.net, false, bundle.x, bundle.y, depth_scale);
   double *left = stored(depth, 1), *right = stored(depth, 2);
   Part first = part, second = part;
+  halve(part.net.points, part.net.n, part.net.m, 4, along_a, left, right);
   if (along_a) {
-    split_a(part.net, left, right);
     first.box.s1 = second.box.s0 = 0.5 * (part.box.s0 + part.box.s1);
   } else {
-    split_b(part.net, left, right);
     first.box.t1 = second.box.t0 = 0.5 * (part.box.t0 + part.box.t1);
   }
   first.net.points = left, second.net.points = right;
