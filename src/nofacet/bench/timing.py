@@ -34,6 +34,6 @@ def repeat(function: Callable[[], Any], enough: float = ENOUGH_SECONDS) -> tuple
         if seconds[-1] == min(seconds):
             best = result
         spent = sum(seconds)
-        enough = len(seconds) >= FEWEST_RUNS and (spent > enough or len(seconds) >= MOST_RUNS)
-        if enough or spent > TOO_SLOW:
+        done = len(seconds) >= FEWEST_RUNS and (spent > enough or len(seconds) >= MOST_RUNS)
+        if done or spent > TOO_SLOW:
             return Timing(min(seconds), median(seconds), len(seconds)), best
