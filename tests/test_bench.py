@@ -19,6 +19,7 @@ from nofacet.bench.crowd import crowd
 from nofacet.bench.mesh_setting import MeshSetting
 from nofacet.bench.run import run, write
 from nofacet.bench.subject import Subject, open_subject, placed_patch_count
+from nofacet.bench.timing import MOST_RUNS, repeat
 from nofacet.cad.ray_cast import RayCaster
 from nofacet.cad.tessellate import Mesh, box_sides, tessellate
 from nofacet.cli import main
@@ -214,6 +215,14 @@ def test_child_returns_fails_and_is_stopped() -> None:
         in_child(lambda: __import__("os")._exit(7), 60.0)
     with pytest.raises(TimeoutError):
         in_child(lambda: __import__("time").sleep(60), 0.2)
+
+
+def test_what_is_fast_is_repeated_often() -> None:
+    calls = iter(range(1000))
+    timing, result = repeat(lambda: next(calls))
+    assert timing.runs == next(calls) == MOST_RUNS and 0 <= result < MOST_RUNS
+    assert 0 <= timing.fastest <= timing.median
+    assert repeat(lambda: __import__("time").sleep(0.02), enough=0.05)[0].runs == 3
 
 
 def test_crowd_is_side_by_side_and_all_in_the_picture() -> None:

@@ -31,6 +31,6 @@ void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, 
 // Solves one pixel, whatever it takes, and writes it.
 void solve_hard_pixel(const Scene& scene, const Camera& camera, const Frame& frame, const HardPixel& pixel);
 
-inline constexpr double kPixelTolerance = 1e-10;
+inline constexpr double kPixelTolerance = 1e-11;
 
 }  // namespace nofacet
