@@ -8,7 +8,6 @@
 namespace nofacet {
 namespace {
 
-
 double length(const double* v) { return std::sqrt(Camera::dot(v, v)); }
 
 // Tangents of the patch itself at its (s, t), in its own coordinates. Where one of them vanishes, at a pole or a cone's

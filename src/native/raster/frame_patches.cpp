@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "parallel.h"
+#include "placed_patch.h"
 
 namespace nofacet {
 namespace {
@@ -53,7 +54,7 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   parallel_for((all.size() + kTaskPatches - 1) / kTaskPatches, threads, [&](std::size_t task, int) {
     std::vector<double> points;
     for (std::size_t k = task * kTaskPatches; k < std::min(all.size(), (task + 1) * kTaskPatches); ++k) {
-      const Net net = project_patch(scene, camera, all[k].face, *all[k].patch, points);
+      const Net net = projected_net(scene, camera, all[k].face, *all[k].patch, points);
       shown[k] = bound_patch(net, camera, planes, &all[k]);
     }
   });

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "bezier/turning.h"
+#include "placed_patch.h"
 
 namespace nofacet {
 namespace {
@@ -93,37 +94,15 @@ void normalize_weights(std::vector<double>& points) {
 
 }  // namespace
 
-Net project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
+Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
                   std::vector<double>& points) {
-  const Model& model = scene.model;
-  const PatchGroup& group = model.groups[patch.group];
-  const double* placement = model.placements + 16 * std::size_t(model.face_placement[face]);
+  const PatchGroup& group = scene.model.groups[patch.group];
   Net net{group.degree_u, group.degree_v, nullptr};
   points.resize(net.size());
-  const double* source = group.control_points + net.size() * patch.index;
-  for (std::size_t k = 0; k < net.size(); k += 4) {
-    double world[4];
-    for (int r = 0; r < 3; ++r) {
-      world[r] = Camera::dot(placement + 4 * r, source + k) + placement[4 * r + 3] * source[k + 3];
-    }
-    world[3] = source[k + 3];
-    camera.project(world, points.data() + k);
-  }
+  project_patch(scene, camera, face, patch, points.data());
   normalize_weights(points);
   net.points = points.data();
   return net;
-}
-
-bool is_off_screen(const Net& net, const Camera& camera) {
-  bool behind = true, left = true, right = true, above = true, below = true;
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
-    behind &= p[kW] <= 0;
-    left &= p[kX] < 0;
-    right &= p[kX] > camera.width * p[kW];
-    above &= p[kY] < 0;
-    below &= p[kY] > camera.height * p[kW];
-  }
-  return behind || left || right || above || below;
 }
 
 void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out) {
@@ -133,7 +112,7 @@ void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::ve
   out_ = &out;
   nodes_ = 0;
 
-  const Net net = project_patch(scene_, camera_, face, patch, projected_);
+  const Net net = projected_net(scene_, camera_, face, patch, projected_);
   Node root{net, {}, {}, {0.0, 1.0, 0.0, 1.0}};
   carry_forms(root);
   if (!region_) {

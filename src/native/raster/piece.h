@@ -73,12 +73,8 @@ struct Piece {
 };
 
 // The patch as the camera sees it; `points` holds the net. Weights that are all the same become 1.
-Net project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
+Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
                   std::vector<double>& points);
-// True if no point of the net can be in front of the eye and inside the image: every control point lies beyond one of
-// the frustum's planes, in homogeneous form, so it holds for nets that cross the eye plane too.
-bool is_off_screen(const Net& net, const Camera& camera);
-
 // Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
 class PieceBuilder {
  public:

@@ -4,24 +4,12 @@
 #include <cmath>
 
 #include "parallel.h"
+#include "placed_patch.h"
 
 namespace nofacet {
 namespace {
 
 constexpr std::size_t kTaskPatches = 64;  // patches handed to a thread at a time
-
-// Homogeneous control points all beyond one side of the frustum: no point of the patch is on screen.
-bool behind_or_outside(const Net& net, const Camera& camera) {
-  bool behind = true, left = true, right = true, above = true, below = true;
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
-    behind &= p[kW] <= 0;
-    left &= p[kX] < 0;
-    right &= p[kX] > camera.width * p[kW];
-    above &= p[kY] < 0;
-    below &= p[kY] > camera.height * p[kW];
-  }
-  return behind || left || right || above || below;
-}
 
 // Fills in what the projected net tells. `depth` is widened by the patch's.
 void describe(const Camera& camera, RayPatch& patch, Interval& depth) {
@@ -49,21 +37,13 @@ void describe(const Camera& camera, RayPatch& patch, Interval& depth) {
 
 }  // namespace
 
-void project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double* out) {
+void project_ray_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
+                       double* out) {
+  project_patch(scene, camera, face, patch, out);
+  if (!camera.perspective) return;
   const PatchGroup& group = scene.model.groups[patch.group];
-  const double* placement = scene.model.placements + 16 * std::size_t(scene.model.face_placement[face]);
   const std::size_t size = 4 * std::size_t(group.degree_u + 1) * (group.degree_v + 1);
-  const double* source = group.control_points + size * patch.index;
-  for (std::size_t k = 0; k < size; k += 4) {
-    double world[4];
-    for (int r = 0; r < 3; ++r) {
-      world[r] = Camera::dot(placement + 4 * r, source + k) + placement[4 * r + 3] * source[k + 3];
-    }
-    world[3] = source[k + 3];
-    camera.project(world, out + k);
-    // Depth as W / Z, for which the denominator must be positive in front of the eye (camera.h: Z = -w there).
-    if (camera.perspective) out[k + kZ] = -out[k + kZ];
-  }
+  for (std::size_t k = 0; k < size; k += 4) out[k + kZ] = -out[k + kZ];
 }
 
 RayScene::RayScene(const Scene& scene, const Camera& camera, int threads) : scene_(scene), nets_(threads) {
@@ -89,9 +69,9 @@ RayScene::RayScene(const Scene& scene, const Camera& camera, int threads) : scen
       const PatchGroup& group = model.groups[ref.group];
       RayPatch patch{{group.degree_u, group.degree_v, nullptr}, &ref, region, face, camera.perspective, {}, {}, 0, 0};
       double* points = nets_[thread].take(patch.net.size());
-      project_patch(scene, camera, face, ref, points);
+      project_ray_patch(scene, camera, face, ref, points);
       patch.net.points = points;
-      if (behind_or_outside(patch.net, camera)) continue;
+      if (is_off_screen(patch.net, camera)) continue;
       describe(camera, patch, depths[task]);
       found[task].push_back(patch);
     }

@@ -30,7 +30,9 @@ class RayScene {
   std::vector<Arena<double>> nets_;  // per thread
 };
 
-// The screen net of a patch of a placed face, into `out` (as many numbers as the patch's own net).
-void project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double* out);
+// project_patch(), but in perspective with w instead of -w for Z: rays measure depth as W / Z with a positive
+// denominator.
+void project_ray_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
+                       double* out);
 
 }  // namespace nofacet

@@ -1,0 +1,18 @@
+// A patch of a face where the face stands, as the camera sees it.
+#pragma once
+#include <cstdint>
+
+#include "bezier/net.h"
+#include "camera.h"
+#include "scene.h"
+
+namespace nofacet {
+
+// Writes the patch's control points as homogeneous screen points (camera.h): 4 (n + 1) (m + 1) values.
+void project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double* out);
+
+// True if no point of the projected net can be in front of the eye and inside the image: every control point lies
+// beyond one of the frustum's planes, in homogeneous form, so it holds for nets that cross the eye plane too.
+bool is_off_screen(const Net& net, const Camera& camera);
+
+}  // namespace nofacet
