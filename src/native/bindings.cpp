@@ -409,6 +409,8 @@ NB_MODULE(_native, module) {
            "Covered stretches of each pixel row, in pixels: offsets (height + 1,), ends (k, 2).");
   module.def("frame_buffer", &frame_buffer, nb::arg("bytes"),
              "Uninitialised uint8 array of shape (bytes,) in memory that is used again for later frames.");
+  module.def(
+      "release_frame_buffers", [] { BufferPool::instance().release(); }, "Frees the memory kept for later frames.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
   module.def("casts_secondary_rays", &casts_secondary_rays, nb::arg("method"),
              "Whether the method offers shadows and mirror reflection.");

@@ -45,6 +45,14 @@ class BufferPool {
     idle_bytes_ += size;
   }
 
+  // Frees what is idle.
+  void release() {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [size, memory] : idle_) std::free(memory);
+    idle_.clear();
+    idle_bytes_ = 0;
+  }
+
  private:
   static constexpr std::size_t kPage = 1 << 21;         // a huge page
   static constexpr std::size_t kMostIdle = 512u << 20;  // bytes; two frames of 4K with all buffers

@@ -43,6 +43,7 @@ def measure_first_picture(subject: Subject, threads: int) -> FirstPicture:
 
 
 def _first_picture(subject: Subject, threads: int) -> FirstPicture:
+    _native.release_frame_buffers()  # a new process has none; the parent's would be copied page by page
     start = time.perf_counter()
     model = convert(subject.shape, subject.name)
     extracted = time.perf_counter()
