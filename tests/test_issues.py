@@ -136,3 +136,23 @@ def test_loop_that_crosses_itself_shows_no_lobe() -> None:
     camera = nofacet.Camera("orthographic", (2.0, 2.0, 9.0), (2.0, 2.0, 0.0), (0.0, 1.0, 0.0), view_height=4.0)
     coverage = nofacet.render(model, camera, (64, 64), samples=16, buffers=("coverage",)).coverage
     assert coverage.sum(dtype=np.float64) * (4 / 64) ** 2 == pytest.approx(4.0, abs=1e-3)
+
+
+def test_a_silhouette_along_a_patch_border_is_resolved() -> None:
+    """A torus from above: its outlines are parameter lines, on which the screen Jacobian vanishes all along."""
+    torus = nofacet.load(cq.Solid.makeTorus(3.0, 1.0))
+    camera = nofacet.Camera("orthographic", (0, 0, 10), (0, 0, 0), (0, 1, 0), view_height=9.0)
+    frame = nofacet.render(torus, camera, (91, 91), samples=1, buffers=("face",))
+    assert frame.stats["unresolved"] == 0
+    x = (np.arange(91) + 0.5) * 9.0 / 91 - 4.5
+    radius = np.hypot(x[None, :], x[:, None])
+    np.testing.assert_array_equal(frame.face >= 0, (radius > 2.0) & (radius < 4.0))
+
+
+def test_a_stretch_as_narrow_as_rounding_says_nothing_of_the_next_scan_plane() -> None:
+    """A disc whose outermost points lie on the middle row's centre line, where they touch the border of its patch."""
+    disc = nofacet.load(cq.Solid.makeCylinder(5.0, 7.0))
+    camera = nofacet.Camera("orthographic", (0, 0, 30), (0, 0, 0), (0, 1, 0), view_height=11.7)
+    frame = nofacet.render(disc, camera, (121, 91), samples=1, buffers=("face",))
+    x, y = (np.arange(121) + 0.5 - 60.5) * 11.7 / 91, (np.arange(91) + 0.5 - 45.5) * 11.7 / 91
+    np.testing.assert_array_equal(frame.face >= 0, np.hypot(x[None, :], y[:, None]) < 5.0)
