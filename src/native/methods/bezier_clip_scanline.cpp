@@ -5,11 +5,10 @@
 // crossings with patch borders, trim curves and silhouettes, and let spans, not points, compete for visibility.
 // Departures from the paper: patches are projected and subdivided once a frame, not once a scanline, and until a piece
 // is certified (raster/piece.h), not until it is flat; so spans carry exact points instead of linear interpolation.
-// Limits: raster/visibility.h (double crossings inside half a pixel), kNegligiblePixels (raster/piece.h).
+// Limits: raster/scan_line.h (double crossings inside half a pixel), kNegligiblePixels (raster/certificate.h).
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <numeric>
 
 #include "methods.h"
 #include "parallel.h"

@@ -1,4 +1,5 @@
-// Proofs, by interval bounds over a whole piece, of how scan planes cut it.
+// Proofs of how scan planes cut a whole piece: by the Bernstein forms of its Jacobian where those are carried along,
+// else by interval bounds.
 #pragma once
 #include "bezier/jacobian.h"
 #include "bezier/net.h"

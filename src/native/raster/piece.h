@@ -3,9 +3,8 @@
 //
 // In a piece the scan plane's cut d(a, b) = Y - y W = 0 is a graph b(a): d grows (or falls) with b all over the piece.
 // Along the cut the screen x moves one way only, or turns at most once (the turn is the silhouette), or hardly moves
-// (raster/certificate.h). This is proved, up to rounding, with interval bounds of the derivatives over the whole piece;
-// what cannot be proved is subdivided (METHODS section 3; Nishita, Kaneda, Nakamae 1991, with certificates instead of a
-// flatness test).
+// (raster/certificate.h). This is proved, up to rounding, over the whole piece; what cannot be proved is subdivided
+// (METHODS section 3; Nishita, Kaneda, Nakamae 1991, with certificates instead of a flatness test).
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -36,7 +36,8 @@ void merge_stretches(std::vector<Interval>& stretches);
 // patches differ by rounding only; the face with the lower index is then shown.
 //
 // Where two surfaces pass through each other the crossing is solved to 1e-6 px; a second crossing of the same two spans
-// within half a pixel along x may be missed. The order of insertion decides nothing. One per thread.
+// within half a pixel along x may be missed. Spans are inserted in a fixed order, which decides only
+// on overlaps below kNegligiblePixels. One per thread.
 class Visibility {
  public:
   Visibility(const Camera& camera, double depth_tie) : camera_(camera), depth_tie_(depth_tie) {}
