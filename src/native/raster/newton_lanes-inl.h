@@ -1,0 +1,121 @@
+// One Newton step towards a pixel in each SIMD lane, and the normal there. Included once for every instruction set
+// (Highway).
+#if defined(NOFACET_RASTER_NEWTON_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef NOFACET_RASTER_NEWTON_LANES_INL_H_
+#undef NOFACET_RASTER_NEWTON_LANES_INL_H_
+#else
+#define NOFACET_RASTER_NEWTON_LANES_INL_H_
+#endif
+
+#include "light.h"
+#include "patch_normal.h"
+#include "raster/solve_pixels.h"
+#include "raster/span_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace nofacet {
+namespace HWY_NAMESPACE {
+
+// What does not change from pixel to pixel of a piece.
+struct View {
+  const Camera& camera;
+  const Frame& frame;
+  const Piece& piece;
+  const float* color;
+  bool values;     // whether anything but uv is written
+  double half[3];  // unit vector between the key light and the eye (orthographic)
+
+  View(const Camera& c, const Frame& f, const Piece& p, const float* face_color, bool with_values)
+      : camera(c),
+        frame(f),
+        piece(p),
+        color(face_color),
+        values(with_values),
+        half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
+    const double length = std::sqrt(Camera::dot(half, half));
+    for (double& h : half) h /= length;
+  }
+};
+
+// Key, normal and Newton step of one group of pixels. The normal, in eye space, is that of the tangent plane's equation
+// key = nx x' + ny y' + const, scaled so that it points towards the eye and stays finite in single precision.
+struct Point {
+  Vec key, nx, ny, nz, da, db;
+  Mask accurate, regular;  // the step's remainder is small; the normal is sound
+};
+
+template <bool kRational>
+HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, const LaneJet& jet, Vec x, Vec y,
+                            double normal_tolerance, Point& out) {
+  // F = P - (x, y) W vanishes at the solution; there F_a = W x_a and so on, and D = W^2 J.
+  const Vec tx = hn::Sub(x, hn::Set(d, origin.x)), ty = hn::Sub(y, hn::Set(d, origin.y));
+  Vec fx, fy, fxa, fxb, fya, fyb;
+  if constexpr (kRational) {
+    fx = hn::NegMulAdd(tx, jet.p[kW], jet.p[kX]), fy = hn::NegMulAdd(ty, jet.p[kW], jet.p[kY]);
+    fxa = hn::NegMulAdd(tx, jet.pa[kW], jet.pa[kX]), fya = hn::NegMulAdd(ty, jet.pa[kW], jet.pa[kY]);
+    fxb = hn::NegMulAdd(tx, jet.pb[kW], jet.pb[kX]), fyb = hn::NegMulAdd(ty, jet.pb[kW], jet.pb[kY]);
+  } else {
+    fx = hn::Sub(jet.p[kX], tx), fy = hn::Sub(jet.p[kY], ty);
+    fxa = jet.pa[kX], fxb = jet.pb[kX], fya = jet.pa[kY], fyb = jet.pb[kY];
+  }
+  const Vec determinant = hn::MulSub(fxa, fyb, hn::Mul(fxb, fya));
+  // One division serves both: by the determinant, and by the weight before the step.
+  const Vec one = hn::Set(d, 1.0);
+  Vec inverse, weight_inverse;
+  if constexpr (kRational) {
+    const Vec both = hn::Div(one, hn::Mul(determinant, jet.p[kW]));
+    inverse = hn::Mul(both, jet.p[kW]), weight_inverse = hn::Mul(both, determinant);
+  } else {
+    inverse = hn::Div(one, determinant);
+  }
+  out.da = hn::Mul(hn::MulSub(fy, fxb, hn::Mul(fx, fyb)), inverse);
+  out.db = hn::Mul(hn::MulSub(fx, fya, hn::Mul(fy, fxa)), inverse);
+  const Vec step = hn::Max(hn::Abs(out.da), hn::Abs(out.db));
+  Vec key = hn::MulAdd(out.da, jet.pa[kZ], hn::MulAdd(out.db, jet.pb[kZ], jet.p[kZ]));
+  Vec ka = jet.pa[kZ], kb = jet.pb[kZ], weight = one;
+  if constexpr (kRational) {
+    weight = hn::MulAdd(out.da, jet.pa[kW], hn::MulAdd(out.db, jet.pb[kW], jet.p[kW]));
+    // The step changes the weight by its own size or so; twice squared, that is nothing (Newton's reciprocal).
+    for (int k = 0; k < 2; ++k) {
+      weight_inverse = hn::MulAdd(weight_inverse, hn::NegMulAdd(weight, weight_inverse, one), weight_inverse);
+    }
+    key = hn::Mul(key, weight_inverse);
+    ka = hn::NegMulAdd(key, jet.pa[kW], ka), kb = hn::NegMulAdd(key, jet.pb[kW], kb);
+  }
+  out.key = hn::Add(key, hn::Set(d, origin.key));
+
+  // The tangent plane's slopes: key grows by this along x and y, in pixels.
+  const Camera& camera = view.camera;
+  const bool perspective = kRational && camera.perspective;
+  const Vec scale = hn::Set(d, camera.scale);
+  const Vec size = hn::Abs(out.key), key_scale = perspective ? hn::Div(scale, size) : scale;
+  const Vec by_x = hn::Mul(hn::MulSub(ka, fyb, hn::Mul(kb, fya)), inverse);
+  const Vec by_y = hn::Mul(hn::MulSub(kb, fxa, hn::Mul(ka, fxb)), inverse);
+  const Vec ux = hn::Mul(by_x, key_scale), uy = hn::Mul(by_y, key_scale);
+  out.nx = ux, out.ny = hn::Neg(uy), out.nz = hn::Set(d, -1.0);
+  if (perspective) {
+    const Vec cx = hn::Set(d, 0.5 * camera.width), cy = hn::Set(d, 0.5 * camera.height);
+    const Vec nz = hn::MulAdd(hn::Sub(cx, x), by_x, hn::MulAdd(hn::Sub(cy, y), by_y, out.key));
+    out.nz = hn::Div(nz, size);  // the key's unit is arbitrary
+  }
+  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(step, step)),
+                                hn::Add(one, hn::Add(hn::Abs(ux), hn::Abs(uy))));
+  out.accurate = hn::Le(remainder, hn::Set(d, kPixelTolerance));
+
+  // Squares of the tangents' lengths, times W^2.
+  const auto square3 = [&](Vec p, Vec q, Vec r) HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
+  const Vec a2 = square3(fxa, fya, hn::Mul(ka, key_scale)), b2 = square3(fxb, fyb, hn::Mul(kb, key_scale));
+  // The tangents, taken before the step, differ from those after it by 2 bend step at most.
+  const Vec turn = hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), step), weight);
+  out.accurate = hn::And(out.accurate, hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2)));
+  const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(determinant, determinant));
+  const Vec degenerate = hn::Set(d, kDegenerate * kDegenerate);
+  out.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
+                        hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nofacet
+HWY_AFTER_NAMESPACE();
+
+#endif
