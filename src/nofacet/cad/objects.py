@@ -22,7 +22,7 @@ from nofacet.errors import InputError
 def cad_object(source: Any) -> tuple[TopoDS_Shape, Appearance]:
     """The shape of a CAD object, whose faces number the model's, and its appearance.
 
-    Accepts a TopoDS_Shape, a cadquery Workplane, Shape or Assembly, a build123d shape, assembly, builder or list of
+    Accepts a TopoDS_Shape, a cadquery Workplane, Shape, Sketch or Assembly, a build123d shape, assembly, builder or list of
     shapes. Raises InputError for anything else and for objects without faces.
     """
     kind = type(source).__name__
@@ -72,7 +72,7 @@ def _plain_shape(source: Any) -> TopoDS_Shape | None:
         return source
     if _is_a(source, "cadquery", "Workplane"):
         return _together(source.vals())
-    if _is_a(source, "build123d", "ShapeList"):
+    if _is_a(source, "build123d", "ShapeList") or _is_a(source, "cadquery", "Sketch"):
         return _together(source)
     return _wrapped(source)
 
