@@ -14,9 +14,10 @@ namespace nofacet {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-// A derivative this much shorter than the patch's longest one leaves no digits to curvature: they are divided by its
-// square, so rounding of 1e-16 has grown to 1e-6 there.
-constexpr double kLost = 1e-5;
+// A derivative this much shorter than the patch's longest one has vanished: a pole, where rounding is its direction.
+constexpr double kPole = 1e-6;
+// Curvatures of which rounding may have changed more than this part are not known.
+constexpr double kUnknown = 1e-4;
 
 double dot(const double* p, const double* q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; }
 
@@ -28,6 +29,7 @@ void scale(double factor, const double* v, double* result) {
   for (int c = 0; c < 3; ++c) result[c] = factor * v[c];
 }
 
+double square(double x) { return x * x; }
 double length(const double* v) { return std::sqrt(dot(v, v)); }
 
 // World vectors from a definition's.
@@ -70,15 +72,18 @@ struct Derivatives {
   }
 };
 
-// How long a patch's derivatives get: bounds from its control polygon.
-struct LongestDerivatives {
-  double a = 0.0, b = 0.0;
+// How large a patch is: how long its derivatives get, and how far from the origin of its coordinates it lies. From the
+// control polygon, so all are bounds.
+struct PatchSize {
+  double a = 0.0, b = 0.0, reach = 0.0;
 
-  explicit LongestDerivatives(const Net& net) {
+  explicit PatchSize(const Net& net) {
     for (int i = 0; i <= net.n; ++i) {
       for (int j = 0; j <= net.m; ++j) {
-        if (i) a = std::max(a, net.n * distance(net.at(i, j), net.at(i - 1, j)));
-        if (j) b = std::max(b, net.m * distance(net.at(i, j), net.at(i, j - 1)));
+        const double* p = net.at(i, j);
+        reach = std::max(reach, length(p) / p[3]);
+        if (i) a = std::max(a, net.n * distance(p, net.at(i - 1, j)));
+        if (j) b = std::max(b, net.m * distance(p, net.at(i, j - 1)));
       }
     }
   }
@@ -108,10 +113,19 @@ struct SymmetricEigen {
   }
 };
 
+void write_no_curvature(double* curvature, double* direction) {
+  std::fill_n(curvature, 2, kNaN);
+  std::fill_n(direction, 6, kNaN);
+}
+
 // Writes curvatures and directions from the derivatives and the unit normal, which points along a x b or against it.
 // The shape operator h in the orthonormal frame e, f of the tangent plane, e along a, follows from the second
 // fundamental form: II(a, a) = |a|^2 h_ee and so on, with b = b_e e + b_f f.
-void write_curvature(const Derivatives& d, const double* normal, double* curvature, double* direction) {
+// Control points are rounded to 1e-16 of their coordinates, second derivatives are n (n - 1) times their second
+// differences, and curvature is that over the square of a length: on a patch that is very short in one direction little
+// is left, and then nothing is written but NaN.
+void write_curvature(const Derivatives& d, const Net& net, const PatchSize& patch, const double* normal,
+                     double* curvature, double* direction) {
   const double la = length(d.a);
   double e[3], f[3];
   scale(1.0 / la, d.a, e);
@@ -121,6 +135,14 @@ void write_curvature(const Derivatives& d, const double* normal, double* curvatu
   const double ef = (dot(d.ab, normal) / la - be * ee) / bf;
   const double ff = (dot(d.bb, normal) - be * be * ee - 2.0 * be * bf * ef) / (bf * bf);
   const SymmetricEigen eigen(ee, ef, ff);
+  const double rounding =
+      4.0 * std::numeric_limits<double>::epsilon() * patch.reach * (square(net.n / la) + square(net.m / bf));
+  const double scale_of_bends =
+      std::max({std::fabs(eigen.high), std::fabs(eigen.low), 1.0 / std::max(patch.a, patch.b)});
+  if (!(rounding <= kUnknown * scale_of_bends)) {
+    write_no_curvature(curvature, direction);
+    return;
+  }
   curvature[0] = eigen.high, curvature[1] = eigen.low;
   for (int c = 0; c < 3; ++c) {
     direction[c] = eigen.cosine * e[c] + eigen.sine * f[c];
@@ -136,25 +158,24 @@ class PlacedSurface {
         net_(patch_net(scene, patch)),
         placement_{scene.model.placements + 16 * std::size_t(scene.model.face_placement[face])},
         outward_(scene.model.face_outward[face]),
-        longest_(net_) {}
+        size_(net_) {}
 
   void evaluate(double u, double v, double* position, double* normal, double* curvature, double* direction) const {
     const double s = patch_parameter(patch_.u, u), t = patch_parameter(patch_.v, v);
     Derivatives d(evaluate_second(net_, s, t));
-    const bool lost = length(d.a) <= kLost * longest_.a || length(d.b) <= kLost * longest_.b;
+    const bool pole = dot(d.a, d.a) <= square(kPole * size_.a) || dot(d.b, d.b) <= square(kPole * size_.b);
     d.place(placement_);
     std::copy_n(d.p, 3, position);
     double across[3];
     cross(d.a, d.b, across);
-    const double size = length(across);
-    if (lost || !(size > kFlat * length(d.a) * length(d.b))) {
+    const double squared = dot(across, across);
+    if (pole || !(squared > square(kFlat) * dot(d.a, d.a) * dot(d.b, d.b))) {
       write_limit_normal(s, t, normal);
-      std::fill_n(curvature, 2, kNaN);
-      std::fill_n(direction, 6, kNaN);
+      write_no_curvature(curvature, direction);
       return;
     }
-    scale(outward_ / size, across, normal);
-    write_curvature(d, normal, curvature, direction);
+    scale(outward_ / std::sqrt(squared), across, normal);
+    write_curvature(d, net_, size_, normal, curvature, direction);
   }
 
  private:
@@ -162,7 +183,7 @@ class PlacedSurface {
   Net net_;
   Placement placement_;
   double outward_;
-  LongestDerivatives longest_;
+  PatchSize size_;
 
   // A domain without length has no map.
   static double patch_parameter(const ParameterMap& map, double u) {
@@ -182,8 +203,7 @@ class PlacedSurface {
 void write_nothing(std::size_t k, const SurfacePointArrays& out) {
   std::fill_n(out.position + 3 * k, 3, kNaN);
   std::fill_n(out.normal + 3 * k, 3, kNaN);
-  std::fill_n(out.curvature + 2 * k, 2, kNaN);
-  std::fill_n(out.direction + 6 * k, 6, kNaN);
+  write_no_curvature(out.curvature + 2 * k, out.direction + 6 * k);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct SurfacePointArrays {
 // the second order, and the shape operator in an orthonormal frame of the tangent plane. Beyond the face's patches the
 // nearest one is continued. NaN throughout for a face without patches, a negative face or parameters that are not
 // finite. At a pole or a cone's tip the normal is the limit from inside the patch; the curvatures and directions are
-// NaN there, as they depend on where one comes from.
+// NaN there, as they depend on where one comes from, and wherever rounding leaves them less than four digits.
 void evaluate_surface(const Scene& scene, const int32_t* face, const double* uv, std::size_t n,
                       const SurfacePointArrays& out);
 

@@ -25,8 +25,9 @@ class SurfacePoints:
     principal_directions: (..., 2, 3) float64, unit, world, tangent to the surface along its principal curvatures,
         right-handed with the normal. Any right-handed pair where both curvatures are the same.
 
-    Curvatures and directions are NaN where a derivative vanishes, at poles and tips; beside them digits are lost, ten
-    at 1e-5 of the patch's size away. All is NaN for face -1, faces without patches and parameters that are not finite.
+    Curvatures and directions are NaN where rounding leaves them less than four digits: at poles and tips, where a
+    derivative vanishes, and on patches a millionth as wide as their coordinates are large. All is NaN for face -1, faces
+    without patches and parameters that are not finite.
     """
 
     position: NDArray[np.float64]
