@@ -1,4 +1,4 @@
-"""Points, normals and curvatures of faces: closed forms, OpenCascade's own, placements, poles, requests that are wrong."""
+"""Points, normals and curvatures of faces: closed forms, OpenCascade's own, placements, poles, wrong requests."""
 
 from __future__ import annotations
 
@@ -17,7 +17,12 @@ pytest.importorskip("OCP")
 
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepLProp import BRepLProp_SLProps
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakeSphere, BRepPrimAPI_MakeTorus
+from OCP.BRepPrimAPI import (
+    BRepPrimAPI_MakeCone,
+    BRepPrimAPI_MakeCylinder,
+    BRepPrimAPI_MakeSphere,
+    BRepPrimAPI_MakeTorus,
+)
 from OCP.Geom import Geom_BSplineSurface
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
@@ -84,9 +89,10 @@ def torus_form(u: Any, v: Any) -> tuple[Any, Any, Any, Any]:
     return RADIUS * ring(u) + TUBE * normal, normal, -np.cos(v) / (RADIUS + TUBE * np.cos(v)), 0 * u - 1 / TUBE
 
 
+CYLINDER = BRepPrimAPI_MakeCylinder(RADIUS, HEIGHT)
 FORMS = {
     "sphere": ClosedForm(lambda: BRepPrimAPI_MakeSphere(RADIUS).Shape(), "sphere", (-1.5, 1.5), sphere_form),
-    "cylinder": ClosedForm(lambda: BRepPrimAPI_MakeCylinder(RADIUS, HEIGHT).Shape(), "cylinder", (0, HEIGHT), cylinder_form),
+    "cylinder": ClosedForm(lambda: CYLINDER.Shape(), "cylinder", (0, HEIGHT), cylinder_form),
     "cone": ClosedForm(lambda: BRepPrimAPI_MakeCone(RADIUS, TOP, HEIGHT).Shape(), "cone", (0, 7.6), cone_form),
     "torus": ClosedForm(lambda: BRepPrimAPI_MakeTorus(RADIUS, TUBE).Shape(), "torus", (0, 2 * pi), torus_form),
 }  # fmt: skip
@@ -239,7 +245,9 @@ def test_tip_of_a_cone() -> None:
     tip = sqrt(RADIUS**2 + HEIGHT**2)
     found = nofacet.evaluate(model, [face, face], [[0.5, tip], [0.5 + pi, tip]])
     np.testing.assert_allclose(found.position, np.tile([0, 0, HEIGHT], (2, 1)), atol=1e-14)
-    normal = np.array([[HEIGHT * cos(0.5), HEIGHT * sin(0.5), RADIUS], [-HEIGHT * cos(0.5), -HEIGHT * sin(0.5), RADIUS]])
+    normal = np.array(
+        [[HEIGHT * cos(0.5), HEIGHT * sin(0.5), RADIUS], [-HEIGHT * cos(0.5), -HEIGHT * sin(0.5), RADIUS]]
+    )
     np.testing.assert_allclose(found.normal, normal / tip, atol=1e-12)
     assert np.isnan(found.principal_curvatures).all()
 
@@ -293,7 +301,7 @@ def test_a_whole_frame_at_once(sphere: Model) -> None:
 
 
 def test_what_is_nowhere_is_nan(sphere: Model) -> None:
-    found = nofacet.evaluate(sphere, [-1, 0, 0, 0], [[0, 0], [np.nan, 0], [0, np.inf], [1, 1]])
+    found = nofacet.evaluate(sphere, [-1, 0, 0, 0], np.array([[0, 0], [np.nan, 0], [0, np.inf], [1, 1]]))
     assert np.isnan(found.position).all(axis=1).tolist() == [True, True, True, False]
     bare = replace(sphere, groups=[])
     assert np.isnan(nofacet.evaluate(bare, [0], [[1, 1]]).normal).all()

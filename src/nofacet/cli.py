@@ -29,7 +29,7 @@ from .cli_options import (
     vector,
 )
 from .errors import InputError
-from .frame import BUFFERS, Frame, check_extension
+from .frame import BUFFERS, check_extension
 from .render import check_request
 from .summary import summary
 

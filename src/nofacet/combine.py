@@ -17,9 +17,9 @@ def combine(models: Sequence[Model], names: Sequence[str | None] | None = None) 
     """One model of all faces of `models`, numbered in their order: face k of models[i] becomes k plus the number of
     faces of the models before it.
 
-    names: what each is called in the tree, None: as its own single root is, or its source. Every model is one node at the
-    top of the tree: its single root, or a new node over its roots or, without a tree, with all its faces. Warnings begin
-    with that name, and count faces as that model does.
+    names: what each is called in the tree, None: as its own single root is, or its source. Every model is one node at
+    the top of the tree: its single root, or a new node over its roots or, without a tree, with all its faces. Warnings
+    begin with that name, and count faces as that model does.
 
     Raises ValueError for no models, and names that are not as many as models.
     """

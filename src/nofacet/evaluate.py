@@ -26,8 +26,8 @@ class SurfacePoints:
         right-handed with the normal. Any right-handed pair where both curvatures are the same.
 
     Curvatures and directions are NaN where rounding leaves them less than four digits: at poles and tips, where a
-    derivative vanishes, and on patches a millionth as wide as their coordinates are large. All is NaN for face -1, faces
-    without patches and parameters that are not finite.
+    derivative vanishes, and on patches a millionth as wide as their coordinates are large. All is NaN for face -1,
+    faces without patches and parameters that are not finite.
     """
 
     position: NDArray[np.float64]

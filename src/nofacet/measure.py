@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .camera import Vector
-from .pick import Pick
+from .pick import Pick, lengths_text
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,10 @@ class Measurement:
 
     def __str__(self) -> str:
         """A line for each fact, for people."""
-        x, y, z = self.offset
         return "\n".join(
             [
                 f"distance    {self.distance:.9g} mm",
-                f"offset      {x:.9g}, {y:.9g}, {z:.9g} mm",
+                f"offset      {lengths_text(self.offset)}",
                 f"normals     {self.angle:.6g} degrees apart",
                 f"at first    {', '.join(self.first.bend_texts)}",
                 f"at second   {', '.join(self.second.bend_texts)}",

@@ -12,7 +12,7 @@ from .evaluate import evaluate
 from .model import Model
 from .render import render
 
-_FLAT = 1e-12  # a curvature this much smaller than the others at a point is rounding; in texts only
+_ROUNDING = 1e-12  # a number this much smaller than those beside it is rounding; in texts only
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ class Pick:
             [
                 *lines,
                 f"(u, v)      {self.uv[0]:.9g}, {self.uv[1]:.9g}",
-                f"point       {_triple(self.position, '.9g')} mm",
-                f"normal      {_triple(self.normal, '.6f')}",
+                f"point       {lengths_text(self.position)}",
+                f"normal      {', '.join(f'{value:.6f}' for value in self.normal)}",
                 f"curvature   {', '.join(self.bend_texts)}",
                 f"conversion  {_error_text(self.conversion_error)}",
                 f"trimming    {_error_text(self.trim_deviation)}",
@@ -74,7 +74,7 @@ class Pick:
     def bend_texts(self) -> tuple[str, str]:
         """The principal curvatures for people: radius and sense, or flat where only rounding is left."""
         reach = max(math.hypot(*self.position), 1e-300)
-        rounding = _FLAT * max(1 / reach, *(abs(k) for k in self.principal_curvatures))
+        rounding = _ROUNDING * max(1 / reach, *(abs(k) for k in self.principal_curvatures))
         first, second = (_bend_text(k, rounding) for k in self.principal_curvatures)
         return first, second
 
@@ -168,8 +168,10 @@ def _vector(values: np.ndarray) -> Vector:
     return x, y, z
 
 
-def _triple(values: Vector, digits: str) -> str:
-    return ", ".join(f"{value:{digits}}" for value in values)
+def lengths_text(values: Vector) -> str:
+    """Three lengths for people."""
+    rounding = _ROUNDING * max(abs(value) for value in values)
+    return ", ".join(f"{value if abs(value) > rounding else 0.0:.9g}" for value in values) + " mm"
 
 
 def _error_text(error: float) -> str:

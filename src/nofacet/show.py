@@ -17,7 +17,7 @@ from .combine import combine
 from .errors import InputError
 from .frame import Frame, check_extension
 from .model import Model
-from .render import render
+from .render import DEFAULT_BUFFERS, DEFAULT_METHOD, check_request, render
 
 DEFAULT_DIRECTION = (-1.0, 1.0, -0.5)
 WHITE = (1.0, 1.0, 1.0)
@@ -59,8 +59,10 @@ def show(
     Raises InputError if there is nothing to show, ValueError for a request that makes no sense, ImportError if there
     is no window to open. What cannot be shown beside the rest is named in a warning.
     """
-    if screenshot is not None:
-        check_extension(Path(screenshot))
+    check_request((width, height), DEFAULT_METHOD, samples, None, DEFAULT_BUFFERS)
+    file = None if screenshot is None else Path(screenshot)
+    if file:
+        check_extension(file)
     model = _together(objects, names, colors, alphas)
     for warning in model.warnings:
         warnings.warn(warning, stacklevel=2)
@@ -70,14 +72,14 @@ def show(
             raise ValueError(f"direction {direction!r}: give three numbers, or one of {' '.join(VIEWS)}")
         camera = Camera.fit(model, along, projection, (width, height), up, zoom=zoom)
     elif not isinstance(camera, Camera):
-        camera = Camera.load(camera)
-    quiet = screenshot is not None or _in_notebook()
+        camera = Camera.load(Path(camera))
+    quiet = file is not None or _in_notebook()
     frame = None
     if quiet or interact is False:
         frame = render(model, camera, (width, height), samples=samples, edges=edges)
-    if frame is not None and screenshot is not None:
-        opaque = background is not None and Path(screenshot).suffix.lower() == ".png"
-        (frame.over(background or WHITE) if opaque else frame).save(screenshot)
+    if file and frame:
+        behind = background if file.suffix.lower() == ".png" else None
+        (frame if behind is None else frame.over(behind)).save(file)
     if interact or (interact is None and not quiet):
         _open_window(model, camera, title)
         return None
@@ -92,14 +94,16 @@ def _together(objects: Sequence[Any], names: Any, colors: Any, alphas: Any) -> M
     models, titles, problems = [], [], []
     for source, name, color, alpha in zip(objects, *wanted, strict=True):
         try:
-            models.append(_painted(_loaded(source), color, alpha))
-            titles.append(name)
+            model = _loaded(source)
         except InputError as problem:
             problems.append(problem)
+            continue
+        models.append(_painted(model, color, alpha))
+        titles.append(name)
     if not models:
         raise problems[0]
-    model = models[0] if len(models) == 1 and titles == [None] else combine(models, titles)
-    return replace(model, warnings=[*model.warnings, *map(str, problems)])
+    model = models[0] if titles == [None] else combine(models, titles)
+    return replace(model, warnings=[*model.warnings, *map(str, problems)]) if problems else model
 
 
 _LISTS = ("names", "colors", "alphas")

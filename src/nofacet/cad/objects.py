@@ -22,8 +22,8 @@ from nofacet.errors import InputError
 def cad_object(source: Any) -> tuple[TopoDS_Shape, Appearance]:
     """The shape of a CAD object, whose faces number the model's, and its appearance.
 
-    Accepts a TopoDS_Shape, a cadquery Workplane, Shape, Sketch or Assembly, a build123d shape, assembly, builder or list of
-    shapes. Raises InputError for anything else and for objects without faces.
+    Accepts a TopoDS_Shape, a cadquery Workplane, Shape, Sketch or Assembly, a build123d shape, assembly, builder or
+    list of shapes. Raises InputError for anything else and for objects without faces.
     """
     kind = type(source).__name__
     if _is_a(source, "cadquery", "Assembly"):
@@ -45,7 +45,7 @@ def cad_object(source: Any) -> tuple[TopoDS_Shape, Appearance]:
         if _package(source) in ("cadquery", "build123d"):
             raise InputError(f"this {kind} object holds no shape, so there is nothing to draw; build one first")
         raise InputError(
-            f"cannot draw an object of type {kind}; give a file, a cadquery Workplane, Shape or Assembly, "
+            f"cannot draw an object of type {kind}; give a file, a cadquery Workplane, Shape, Sketch or Assembly, "
             "a build123d object, or a TopoDS_Shape"
         )
     return shape, Appearance.plain(len(_face_index(shape, kind)))
