@@ -20,6 +20,7 @@ from OCP.BRepLProp import BRepLProp_SLProps
 from OCP.BRepPrimAPI import (
     BRepPrimAPI_MakeCone,
     BRepPrimAPI_MakeCylinder,
+    BRepPrimAPI_MakeOneAxis,
     BRepPrimAPI_MakeSphere,
     BRepPrimAPI_MakeTorus,
 )
@@ -53,7 +54,7 @@ class ClosedForm:
     """A solid's curved face: from OpenCascade's (u, v) the position, the normal, and the two principal curvatures, that
     along the parallel circle first."""
 
-    build: Callable[[], TopoDS_Shape]
+    maker: Callable[[], BRepPrimAPI_MakeOneAxis]
     kind: str
     span: tuple[float, float]  # of v
     surface: Callable[[Any, Any], tuple[Any, Any, Any, Any]]
@@ -89,12 +90,11 @@ def torus_form(u: Any, v: Any) -> tuple[Any, Any, Any, Any]:
     return RADIUS * ring(u) + TUBE * normal, normal, -np.cos(v) / (RADIUS + TUBE * np.cos(v)), 0 * u - 1 / TUBE
 
 
-CYLINDER = BRepPrimAPI_MakeCylinder(RADIUS, HEIGHT)
 FORMS = {
-    "sphere": ClosedForm(lambda: BRepPrimAPI_MakeSphere(RADIUS).Shape(), "sphere", (-1.5, 1.5), sphere_form),
-    "cylinder": ClosedForm(lambda: CYLINDER.Shape(), "cylinder", (0, HEIGHT), cylinder_form),
-    "cone": ClosedForm(lambda: BRepPrimAPI_MakeCone(RADIUS, TOP, HEIGHT).Shape(), "cone", (0, 7.6), cone_form),
-    "torus": ClosedForm(lambda: BRepPrimAPI_MakeTorus(RADIUS, TUBE).Shape(), "torus", (0, 2 * pi), torus_form),
+    "sphere": ClosedForm(lambda: BRepPrimAPI_MakeSphere(RADIUS), "sphere", (-1.5, 1.5), sphere_form),
+    "cylinder": ClosedForm(lambda: BRepPrimAPI_MakeCylinder(RADIUS, HEIGHT), "cylinder", (0, HEIGHT), cylinder_form),
+    "cone": ClosedForm(lambda: BRepPrimAPI_MakeCone(RADIUS, TOP, HEIGHT), "cone", (0, 7.6), cone_form),
+    "torus": ClosedForm(lambda: BRepPrimAPI_MakeTorus(RADIUS, TUBE), "torus", (0, 2 * pi), torus_form),
 }  # fmt: skip
 
 
@@ -114,7 +114,7 @@ def matrix_of(transformation: gp_Trsf) -> np.ndarray:
 @pytest.mark.parametrize("name", FORMS)
 def test_closed_forms(name: str, placed: bool) -> None:
     form, place = FORMS[name], mirrored_and_moved() if placed else gp_Trsf()
-    model = convert(form.build().Moved(TopLoc_Location(place), False), name)
+    model = convert(form.maker().Shape().Moved(TopLoc_Location(place), False), name)
     face = [model.surface_type[d] for d in model.face_definition].index(form.kind)
     rng = np.random.default_rng(1)
     u, v = rng.uniform(0, 2 * pi, 500), rng.uniform(*form.span, 500)
