@@ -178,7 +178,7 @@ def test_nothing_to_show(window: list[Any]) -> None:
         nofacet.show()
     with pytest.raises(nofacet.InputError, match="type int"):
         nofacet.show(3)
-    with pytest.raises(ValueError, match="no model to combine"):
+    with pytest.raises(nofacet.InputError, match="object 1: this list is empty"):
         nofacet.show([])
 
 
@@ -213,7 +213,7 @@ def test_what_has_no_faces_is_named_and_the_rest_shown(window: list[Any], sphere
     cq = pytest.importorskip("cadquery")
     empty = cq.Compound.makeCompound([])
     wire = cq.Workplane().rect(1, 2)
-    with pytest.warns(UserWarning, match="object has no faces") as caught:
+    with pytest.warns(UserWarning, match="(nothing|wire): this .* object has no faces") as caught:
         model = shown(window, empty, sphere, wire, names=["nothing", "ball", "wire"])
     assert len(caught) == 2 and len(model.warnings) == 2
     assert [node.name for node in model.tree] == ["ball"] and model.face_count == 1

@@ -92,11 +92,11 @@ def _together(objects: Sequence[Any], names: Any, colors: Any, alphas: Any) -> M
         raise ValueError("there is nothing to show; give at least one object")
     wanted = [_one_each(what, given, len(objects)) for what, given in zip(_LISTS, (names, colors, alphas), strict=True)]
     models, titles, problems = [], [], []
-    for source, name, color, alpha in zip(objects, *wanted, strict=True):
+    for number, (source, name, color, alpha) in enumerate(zip(objects, *wanted, strict=True), 1):
         try:
             model = _loaded(source)
         except InputError as problem:
-            problems.append(problem)
+            problems.append(InputError(f"{name or f'object {number}'}: {problem}"))
             continue
         models.append(_painted(model, color, alpha))
         titles.append(name)
@@ -123,6 +123,8 @@ def _loaded(source: Any) -> Model:
     if isinstance(source, Model):
         return source
     if type(source) in (list, tuple):
+        if not source:
+            raise InputError("this list is empty, so there is nothing to draw")
         return combine([_loaded(item) for item in source])
     return load(source)
 
