@@ -188,7 +188,7 @@ def check_against_opencascade(shape: TopoDS_Shape, model: Model, count: int) -> 
         error = np.abs(found.principal_curvatures[k] - expected).max()
         bent.append(error / max(np.abs(expected).max(), 1 / size))
     assert len(bent) > 0.9 * len(faces)
-    assert np.quantile(turned, 0.95) < 1e-11 and np.max(turned) < 1e-6
+    assert np.quantile(turned, 0.95) < 1e-11 and np.max(turned) < 1e-4
     assert np.mean(np.isnan(bent)) < 0.02
     assert np.nanquantile(bent, 0.9) < 1e-10 and np.nanmax(bent) < 1e-4
 
