@@ -148,6 +148,8 @@ def test_colors_in_every_form(window: list[Any]) -> None:
     ):
         model = shown(window, rectangle(0, 0, 1, 1), colors=[color])
         np.testing.assert_allclose(model.face_color, [[linear, 0, 1, 1]], atol=1e-6)
+        alone = shown(window, rectangle(0, 0, 1, 1), colors=color)
+        np.testing.assert_array_equal(alone.face_color, model.face_color)
     assert shown(window, rectangle(0, 0, 1, 1), colors="steelblue", alphas=0.5).face_color[0, 3] == 0.5
 
 

@@ -7,6 +7,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from numbers import Real
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -112,7 +113,9 @@ _LISTS = ("names", "colors", "alphas")
 def _one_each(what: str, given: Any, count: int) -> Sequence[Any]:
     if given is None:
         return [None] * count
-    if isinstance(given, (str, float, int)):
+    if isinstance(given, str) or not hasattr(given, "__len__"):
+        given = [given]
+    if what == "colors" and count == 1 and len(given) in (3, 4) and isinstance(given[0], Real):
         given = [given]
     if len(given) != count:
         raise ValueError(f"{what}: {len(given)} for {count} objects; give one for each, or None")
