@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,17 +27,9 @@ def disc(x: float) -> Model:
 
 def test_the_picture_is_that_of_all() -> None:
     """Faces, parameters and depth in each half are those of the model there."""
-    left, right = (
-        disc(-2.0),
-        model_of(
-            [
-                sphere_group(1.0, (2, 0, 0)),
-                rectangle_group(np.array([[[1.5, -1, -3], [1.5, 1, -3]], [[4, -1, -3], [4, 1, -3]]])),
-            ]
-        ),
-    )
-    right.groups[1].definition[:] = 1
-    right = replace(right, **{k: v for k, v in vars(model_of([right.groups[0], right.groups[1]])).items()})
+    wall = rectangle_group(np.array([[[1.5, -1, -3], [1.5, 1, -3]], [[4, -1, -3], [4, 1, -3]]]))
+    wall = replace(wall, definition=np.ones(1, np.int32))
+    left, right = disc(-2.0), model_of([sphere_group(1.0, (2, 0, 0)), wall])
     both = nofacet.combine([left, right, disc(0.0)])
     camera = look_down(6.0)
     frames = [nofacet.render(model, camera, (120, 90), buffers=ALL_BUFFERS) for model in (both, left, right, disc(0.0))]
@@ -118,11 +111,11 @@ def test_names_and_roots() -> None:
     assert rooted.tree[0].name == "root"
 
 
-def test_odd_names_and_duplicates_survive_a_file(tmp_path: object) -> None:
+def test_odd_names_and_duplicates_survive_a_file(tmp_path: Path) -> None:
     odd = ["", "a\nb", "\u00e9\U0001f600/\\\x00", "a\nb"]
     both = nofacet.combine([rectangle(0, 0, 1, 1)] * 4, odd)
     assert [node.name for node in both.tree] == odd
-    path = tmp_path / "model"  # type: ignore[operator]
+    path = tmp_path / "model"
     with path.open("wb") as file:
         model_file.write(both, file)
     assert [node.name for node in model_file.read(path).tree] == odd

@@ -68,10 +68,7 @@ def show(
     for warning in model.warnings:
         warnings.warn(warning, stacklevel=2)
     if camera is None:
-        along, up = VIEWS[direction] if isinstance(direction, str) and direction in VIEWS else (direction, (0, 0, 1))
-        if isinstance(along, str):
-            raise ValueError(f"direction {direction!r}: give three numbers, or one of {' '.join(VIEWS)}")
-        camera = Camera.fit(model, along, projection, (width, height), up, zoom=zoom)
+        camera = _fitted(model, direction, projection, zoom, (width, height))
     elif not isinstance(camera, Camera):
         camera = Camera.load(Path(camera))
     quiet = file is not None or _in_notebook()
@@ -85,6 +82,17 @@ def show(
         _open_window(model, camera, title)
         return None
     return frame
+
+
+def _fitted(
+    model: Model, direction: Sequence[float] | str, projection: Projection, zoom: float, resolution: tuple[int, int]
+) -> Camera:
+    up: Sequence[float] = (0.0, 0.0, 1.0)
+    if isinstance(direction, str):
+        if direction not in VIEWS:
+            raise ValueError(f"direction {direction!r}: give three numbers, or one of {' '.join(VIEWS)}")
+        direction, up = VIEWS[direction]
+    return Camera.fit(model, direction, projection, resolution, up, zoom=zoom)
 
 
 def _together(objects: Sequence[Any], names: Any, colors: Any, alphas: Any) -> Model:
