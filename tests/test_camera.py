@@ -13,9 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from conftest import model_of, rectangle_group, sphere_group
-from nofacet.camera import VIEWS, Camera
+from nofacet import image
+from nofacet.camera import METADATA_KEY, VIEWS, Camera
 from nofacet.errors import InputError
 from nofacet.extent import bounding_box, surface_points
+from nofacet.frame import Frame
 from nofacet.model import Model
 
 ORTHOGRAPHIC: dict[str, Any] = {
@@ -111,6 +113,34 @@ def test_load_names_file_and_fault(tmp_path: Path) -> None:
         Camera.load(path)
     path.write_text(json.dumps(PERSPECTIVE))
     assert Camera.load(path).to_dict() == PERSPECTIVE
+
+
+@pytest.mark.parametrize("values", BOTH)
+@pytest.mark.parametrize("name", ["shot.png", "shot.exr", "SHOT.PNG"])
+def test_pictures_give_their_camera_back(name: str, values: dict[str, Any], tmp_path: Path) -> None:
+    camera = replace(Camera.from_dict(values), position=(-7e9, 1e-17, 1 / 3))  # every digit counts
+    Frame(camera, {"color": np.zeros((4, 6, 4), np.float32)}).save(tmp_path / name)
+    assert Camera.load(tmp_path / name) == camera
+
+
+def test_pictures_without_a_camera(tmp_path: Path) -> None:
+    pixels = np.zeros((2, 2, 3), np.float32)
+    for suffix, dtype in (("png", np.uint8), ("exr", np.float32)):
+        path = tmp_path / f"plain.{suffix}"
+        image.write(path, pixels.astype(dtype), ("R", "G", "B"), {})
+        with pytest.raises(
+            ValueError, match=rf"plain\.{suffix}: no nofacet:camera in its metadata; only pictures made"
+        ):
+            Camera.load(path)
+        for text, message in (("{nonsense", "nofacet:camera in its metadata is damaged"), ("[]", "not a JSON object")):
+            image.write(path, pixels.astype(dtype), ("R", "G", "B"), {METADATA_KEY: text})
+            with pytest.raises(ValueError, match=rf"plain\.{suffix}: .*{message}"):
+                Camera.load(path)
+        path.write_text("hello")
+        with pytest.raises(ValueError, match=rf"plain\.{suffix}: this is not a whole picture$"):
+            Camera.load(path)
+        with pytest.raises(FileNotFoundError, match="No such file"):
+            Camera.load(tmp_path / f"missing.{suffix}")
 
 
 @given(

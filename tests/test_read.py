@@ -401,6 +401,9 @@ def test_objects_in_memory(source: Any, faces: int) -> None:
         (cq.Workplane().box(1, 1, 1).edges(), "has no faces"),
         (cq.Assembly(), "has no faces"),
         (bd.Part(), "holds no shape"),
+        (bd.BuildPart(), "this BuildPart object holds no shape"),
+        (cq.Sketch(), "holds no shape"),
+        (TopoDS_Shape(), "this TopoDS_Shape object holds no shape"),
         (bd.Box(1, 1, 1).edges(), "has no faces"),
         (None, "of type NoneType"),
         (np.zeros(3), "of type ndarray"),
@@ -423,3 +426,8 @@ def test_loading_a_file_imports_neither_opencascade_nor_cad_packages(tmp_path: P
         [sys.executable, "-c", program, str(path)], capture_output=True, text=True, env=environment, check=True
     )
     assert output.stdout.strip() == "[]"
+
+
+def test_a_sketch_is_its_faces() -> None:
+    model = load(cq.Sketch().rect(4, 2).push([(10, 0)]).circle(1))
+    assert sorted(model.surface_type) == ["plane", "plane"]

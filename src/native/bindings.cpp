@@ -21,6 +21,7 @@
 #include "floor.h"
 #include "methods.h"
 #include "outline.h"
+#include "surface_point.h"
 
 namespace nb = nanobind;
 using namespace nofacet;
@@ -76,6 +77,7 @@ Model model_view(Kept& kept, nb::handle source) {
   model.face_definition = field<int32_t, nb::shape<-1>>(kept, source, "face_definition", &model.face_count);
   model.face_placement = field<int32_t, nb::shape<-1>>(kept, source, "face_placement");
   model.placements = field<double, nb::shape<-1, 4, 4>>(kept, source, "placements");
+  model.face_outward = field<int8_t, nb::shape<-1>>(kept, source, "face_outward");
   model.face_color = field<float, nb::shape<-1, 4>>(kept, source, "face_color");
   return model;
 }
@@ -205,6 +207,23 @@ nb::dict measure_scene_floor(const BoundScene& bound, Array<int32_t, nb::shape<-
   result["samples"] = floor.samples;
   result["checksum"] = floor.checksum;
   return result;
+}
+
+using Rows = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+
+void evaluate_scene(const BoundScene& bound, Array<int32_t, nb::shape<-1>> face, Array<double, nb::shape<-1, 2>> uv,
+                    Rows position, Rows normal, Rows curvature, Rows direction) {
+  const std::size_t n = face.size();
+  if (uv.shape(0) != n || position.size() != 3 * n || normal.size() != 3 * n || curvature.size() != 2 * n ||
+      direction.size() != 6 * n) {
+    throw std::invalid_argument("arrays of different lengths");
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    if (face.data()[k] >= int64_t(bound.scene->model.face_count)) throw std::invalid_argument("no such face");
+  }
+  nb::gil_scoped_release release;
+  evaluate_surface(*bound.scene, face.data(), uv.data(), n,
+                   {position.data(), normal.data(), curvature.data(), direction.data()});
 }
 
 nb::tuple scene_outline(const BoundScene& bound, std::tuple<double, double, double> eye,
@@ -402,6 +421,9 @@ NB_MODULE(_native, module) {
            nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(),
            nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.")
+      .def("evaluate", &evaluate_scene, nb::arg("face"), nb::arg("uv"), nb::arg("position"), nb::arg("normal"),
+           nb::arg("curvature"), nb::arg("direction"),
+           "Fill the given arrays (see surface_point.h) for placed faces (n,) at OpenCascade's parameters (n, 2).")
       .def("floor", &measure_scene_floor, nb::arg("face"), nb::arg("uv"), nb::arg("repeats"),
            "Seconds that evaluating every shown sample takes where its (u, v) is known; from a frame's face and uv.")
       .def("outline", &scene_outline, nb::arg("eye"), nb::arg("axes"), nb::arg("scale"), nb::arg("perspective"),

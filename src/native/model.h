@@ -31,6 +31,7 @@ struct Model {
   const int32_t* face_definition = nullptr;  // (faces,)
   const int32_t* face_placement = nullptr;   // (faces,)
   const double* placements = nullptr;        // (placements, 4, 4)
+  const int8_t* face_outward = nullptr;      // (faces,)
   const float* face_color = nullptr;         // (faces, 4): linear RGBA
 };
 

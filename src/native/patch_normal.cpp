@@ -3,26 +3,28 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bezier/net.h"
+#include "placed_patch.h"
 
 namespace nofacet {
 namespace {
 
 double length(const double* v) { return std::sqrt(Camera::dot(v, v)); }
 
-// Tangents of the patch itself at its (s, t), in its own coordinates. Where one of them vanishes, at a pole or a cone's
-// tip, its direction is the limit from inside: the mixed derivative.
-Tangents patch_tangents(const Net& net, double s, double t) {
+// Tangents of a net at its (s, t). Where one of them vanishes, at a pole or a cone's tip, its direction is the limit
+// from inside: the mixed derivative, or its opposite at the far border.
+Tangents net_tangents(const Net& net, double s, double t) {
   const Jet jet = evaluate(net, s, t);
   Tangents result(jet.p, jet.pa, jet.pb);
   if (!result.degenerate()) return result;
   double mixed[4];
   evaluate_mixed(net, s, t, mixed);
-  double* shorter = length(result.a) < length(result.b) ? result.a : result.b;
+  const bool a_vanishes = length(result.a) < length(result.b);
+  double* shorter = a_vanishes ? result.a : result.b;
+  const double inwards = (a_vanishes ? t : s) < 0.5 ? 1.0 : -1.0;
   double limit[3];
   for (int c = 0; c < 3; ++c) {
-    limit[c] =
-        mixed[c] - jet.p[c] / jet.p[3] * mixed[3] - (result.a[c] * jet.pb[3] + result.b[c] * jet.pa[3]) / jet.p[3];
+    limit[c] = inwards * (mixed[c] - jet.p[c] / jet.p[3] * mixed[3] -
+                          (result.a[c] * jet.pb[3] + result.b[c] * jet.pa[3]) / jet.p[3]);
   }
   std::copy_n(limit, 3, shorter);
   return result;
@@ -50,18 +52,21 @@ bool Tangents::cross(double normal[3]) const {
   return true;
 }
 
-void patch_normal(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double s,
-                  double t, double normal[3]) {
-  const PatchGroup& group = scene.model.groups[patch.group];
-  Net net{group.degree_u, group.degree_v, nullptr};
-  net.points = group.control_points + net.size() * patch.index;
-  Tangents local = patch_tangents(net, s, t);
+Tangents limit_tangents(const Net& net, double s, double t) {
+  double normal[3];
+  Tangents local = net_tangents(net, s, t);
   bool found = local.cross(normal);
   // Degenerate beyond a pole: the limit is approached from the middle of the patch.
   for (double step = 1e-6; !found && step < 1.0; step *= 10.0) {
-    local = patch_tangents(net, s + step * (0.5 - s), t + step * (0.5 - t));
+    local = net_tangents(net, s + step * (0.5 - s), t + step * (0.5 - t));
     found = local.cross(normal);
   }
+  return local;
+}
+
+void patch_normal(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double s,
+                  double t, double normal[3]) {
+  Tangents local = limit_tangents(patch_net(scene, patch), s, t);
   const double* placement = scene.model.placements + 16 * std::size_t(scene.model.face_placement[face]);
   const double* axes[3] = {camera.right, camera.up, camera.forward};
   auto to_eye = [&](double* v) {

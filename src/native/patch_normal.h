@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+#include "bezier/net.h"
 #include "camera.h"
 #include "scene.h"
 
@@ -23,6 +24,10 @@ struct Tangents {
   // Unit cross product; false if the tangents span no plane.
   bool cross(double normal[3]) const;
 };
+
+// The tangents of a patch at its parameters (s, t). Where they span no plane, their limits from inside the patch, of
+// another length but in the same sense.
+Tangents limit_tangents(const Net& net, double s, double t);
 
 // Unit normal in eye space of a placed face at the parameters (s, t) of one of its patches, from the patch itself.
 // Where a tangent vanishes, the limit from inside the patch.

@@ -2,6 +2,13 @@
 
 namespace nofacet {
 
+Net patch_net(const Scene& scene, const Scene::PatchRef& patch) {
+  const PatchGroup& group = scene.model.groups[patch.group];
+  Net net{group.degree_u, group.degree_v, nullptr};
+  net.points = group.control_points + net.size() * patch.index;
+  return net;
+}
+
 void project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double* out) {
   const PatchGroup& group = scene.model.groups[patch.group];
   const double* placement = scene.model.placements + 16 * std::size_t(scene.model.face_placement[face]);

@@ -8,6 +8,10 @@
 
 namespace nofacet {
 
+// The patch's control points (wx, wy, wz, w) as the model has them, in the definition's own coordinates: here X, Y, W,
+// Z do not mean what they mean on the screen, the weight is last.
+Net patch_net(const Scene& scene, const Scene::PatchRef& patch);
+
 // Writes the patch's control points as homogeneous screen points (camera.h): 4 (n + 1) (m + 1) values.
 void project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double* out);
 

@@ -2,9 +2,30 @@
 
 from .cad.load import load
 from .camera import Camera
+from .combine import combine
 from .errors import InputError
+from .evaluate import SurfacePoints, evaluate
 from .frame import Frame
+from .measure import Measurement, measure
 from .model import Model
+from .pick import Pick, pick
 from .render import methods, render
+from .show import show
 
-__all__ = ["Camera", "Frame", "InputError", "Model", "load", "methods", "render"]
+__all__ = [
+    "Camera",
+    "Frame",
+    "InputError",
+    "Measurement",
+    "Model",
+    "Pick",
+    "SurfacePoints",
+    "combine",
+    "evaluate",
+    "load",
+    "measure",
+    "methods",
+    "pick",
+    "render",
+    "show",
+]

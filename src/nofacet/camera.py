@@ -158,18 +158,12 @@ class Camera:
         Raises ValueError (with the file's name) where there is none in the file, OSError where it cannot be read.
         """
         path = Path(path)
+        picture = path.suffix.lower() in (".png", ".exr")
         try:
-            if path.suffix.lower() in (".png", ".exr"):
-                from . import image
-
-                text = image.read_attribute(path, METADATA_KEY)
-                if text is None:
-                    raise ValueError(f"no {METADATA_KEY} in its metadata; only pictures made by nofacet carry one")
-            else:
-                text = path.read_text(encoding="utf-8")
-            return cls.from_dict(json.loads(text))
+            return cls.from_dict(json.loads(_text_of_picture(path) if picture else path.read_text(encoding="utf-8")))
         except (json.JSONDecodeError, UnicodeDecodeError):
-            raise ValueError(f"{path}: this is not a JSON camera file") from None
+            what = f"the {METADATA_KEY} in its metadata is damaged" if picture else "this is not a JSON camera file"
+            raise ValueError(f"{path}: {what}") from None
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
 
@@ -215,6 +209,20 @@ class Camera:
             return self.view_height
         assert self.view_angle is not None
         return 2 * float(np.tan(np.radians(self.view_angle) / 2))
+
+
+def _text_of_picture(path: Path) -> str:
+    """The camera file in a picture's metadata."""
+    from . import image
+
+    try:
+        text = image.read_attribute(path, METADATA_KEY)
+    except OSError:
+        path.open("rb").close()  # knows better what is wrong where there is no such file
+        raise ValueError("this is not a whole picture") from None
+    if text is None:
+        raise ValueError(f"no {METADATA_KEY} in its metadata; only pictures made by nofacet carry one")
+    return text
 
 
 def _fit_orthographic(model: Model, forward: NDArray[np.float64], up: Vector, aspect: float, zoom: float) -> Camera:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,7 +29,7 @@ from .cli_options import (
     vector,
 )
 from .errors import InputError
-from .frame import BUFFERS, Frame, check_extension
+from .frame import BUFFERS, check_extension
 from .render import check_request
 from .summary import summary
 
@@ -143,7 +142,7 @@ def _render(options: argparse.Namespace) -> int:
         if options.background_color or (output.suffix.lower() == ".png" and not options.no_background):
             frame = frame.over(options.background_color or WHITE)
         if to_stdout:
-            _write_png_to_stdout(frame)
+            sys.stdout.buffer.write(frame.to_png())
         else:
             frame.save(output, options.buffers)
     return 1 if options.strict and (model.warnings or incomplete) else 0
@@ -261,13 +260,6 @@ def _fitted_camera(options: argparse.Namespace, model: nofacet.Model) -> Camera:
         raise
     except ValueError as error:
         raise UsageError(str(error)) from None
-
-
-def _write_png_to_stdout(frame: Frame) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "frame.png")
-        frame.save(path)
-        sys.stdout.buffer.write(path.read_bytes())
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -120,6 +121,20 @@ class Frame:
             return
         pixels = np.dstack([array.astype(np.float32) for array in arrays.values()])
         image.write(path, pixels, [channel for name in arrays for channel in BUFFERS[name][2]], attributes)
+
+    def to_png(self) -> bytes:
+        """The file that `save` would write as .png. Raises AttributeError where color was not rendered."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "frame.png")
+            self.save(path)
+            return path.read_bytes()
+
+    def __repr__(self) -> str:
+        return f"<Frame of {self.width} x {self.height} pixels: {', '.join(self.buffers)}>"
+
+    def _repr_png_(self) -> bytes | None:
+        """For notebooks: the picture, if there is one."""
+        return self.to_png() if "color" in self.buffers else None
 
     @classmethod
     def load(cls, path: str | Path) -> Frame:

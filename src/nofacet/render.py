@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import weakref
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,13 +12,12 @@ from .camera import Camera
 from .errors import InputError
 from .frame import BUFFERS, Frame
 from .model import Model
+from .scene import scene_of
 
 DEFAULT_METHOD = "bezier_clip_scanline"
 DEFAULT_BUFFERS = ("color", "coverage", "depth", "face")
 # A frame's buffers take 32 bytes a pixel by default and 60 with all of them.
 MAX_PIXELS = 1 << 28
-
-_scenes: weakref.WeakKeyDictionary[Model, _native.Scene] = weakref.WeakKeyDictionary()
 
 
 def methods() -> tuple[str, ...]:
@@ -69,9 +67,7 @@ def render(
         shape = (height, width) if channels == 1 else (height, width, channels)
         memory = _native.frame_buffer(height * width * channels * np.dtype(dtype).itemsize)
         arrays[name] = memory.view(dtype).reshape(shape)
-    if model not in _scenes:
-        _scenes[model] = _native.Scene(model)
-    stats = _scenes[model].render(
+    stats = scene_of(model).render(
         method=method,
         eye=tuple(camera.position),
         axes=np.array(camera.axes()),

@@ -23,7 +23,7 @@ def load(
     """Load a CAD model.
 
     source: the path of a STEP or BREP file (str or PathLike; told apart by content, not by extension); a cadquery
-        Workplane, Shape or Assembly; a build123d shape, assembly or builder; an OpenCascade TopoDS_Shape.
+        Workplane, Shape, Sketch or Assembly; a build123d shape, assembly or builder; an OpenCascade TopoDS_Shape.
         A file is read in a process of its own, which cannot take this one down, or taken from the cache if it was
         read before and has not changed (nofacet.cache).
     timeout: seconds that reading a file may take, math.inf for no limit.

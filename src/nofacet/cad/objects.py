@@ -22,10 +22,10 @@ from nofacet.errors import InputError
 def cad_object(source: Any) -> tuple[TopoDS_Shape, Appearance]:
     """The shape of a CAD object, whose faces number the model's, and its appearance.
 
-    Accepts a TopoDS_Shape, a cadquery Workplane, Shape or Assembly, a build123d shape, assembly, builder or list of
-    shapes. Raises InputError for anything else and for objects without faces.
+    Accepts a TopoDS_Shape, a cadquery Workplane, Shape, Sketch or Assembly, a build123d shape, assembly, builder or
+    list of shapes. Raises InputError for anything else and for objects without faces.
     """
-    kind = type(source).__name__
+    kind, package = type(source).__name__, _package(source)
     if _is_a(source, "cadquery", "Assembly"):
         shape = source.toCompound().wrapped
         index = _face_index(shape, kind)
@@ -42,10 +42,10 @@ def cad_object(source: Any) -> tuple[TopoDS_Shape, Appearance]:
         return shape, appearance
     shape = _plain_shape(source)
     if shape is None or shape.IsNull():
-        if _package(source) in ("cadquery", "build123d"):
+        if package in ("cadquery", "build123d") or shape is not None:
             raise InputError(f"this {kind} object holds no shape, so there is nothing to draw; build one first")
         raise InputError(
-            f"cannot draw an object of type {kind}; give a file, a cadquery Workplane, Shape or Assembly, "
+            f"cannot draw an object of type {kind}; give a file, a cadquery Workplane, Shape, Sketch or Assembly, "
             "a build123d object, or a TopoDS_Shape"
         )
     return shape, Appearance.plain(len(_face_index(shape, kind)))
@@ -72,7 +72,7 @@ def _plain_shape(source: Any) -> TopoDS_Shape | None:
         return source
     if _is_a(source, "cadquery", "Workplane"):
         return _together(source.vals())
-    if _is_a(source, "build123d", "ShapeList"):
+    if _is_a(source, "build123d", "ShapeList") or _is_a(source, "cadquery", "Sketch"):
         return _together(source)
     return _wrapped(source)
 
