@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -79,6 +80,10 @@ Model model_view(Kept& kept, nb::handle source) {
   model.placements = field<double, nb::shape<-1, 4, 4>>(kept, source, "placements");
   model.face_outward = field<int8_t, nb::shape<-1>>(kept, source, "face_outward");
   model.face_color = field<float, nb::shape<-1, 4>>(kept, source, "face_color");
+  model.body_closed = field<uint8_t, nb::shape<-1>>(kept, source, "body_closed", &model.body_count);
+  model.body_offsets = field<int64_t, nb::shape<-1>>(kept, source, "body_offsets");
+  model.body_face = field<int32_t, nb::shape<-1>>(kept, source, "body_face");
+  model.body_face_outward = field<int8_t, nb::shape<-1>>(kept, source, "body_face_outward");
   return model;
 }
 
@@ -147,7 +152,8 @@ Camera make_camera(std::tuple<double, double, double> eye, Array<double, nb::sha
 
 nb::dict render(const BoundScene& bound, const std::string& method_name, std::tuple<double, double, double> eye,
                 Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height, int samples,
-                int threads, bool edges, bool shadows, double reflectance, Buffer<float> color, Buffer<float> coverage,
+                int threads, bool edges, bool shadows, double reflectance, Array<double, nb::shape<-1, 2, 3>> sections,
+                Buffer<float> color, Buffer<float> coverage,
                 Buffer<double> depth, Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
   const Method* method = find_method(method_name);
   if (!method) throw std::invalid_argument("unknown method " + method_name);
@@ -160,10 +166,16 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
                     data_or_null(face),
                     data_or_null(uv),
                     data_or_null(normal)};
+  RenderOptions options{samples, threads, edges, shadows, reflectance, {}};
+  for (std::size_t k = 0; k < sections.shape(0); ++k) {
+    SectionPlane& plane = options.sections.emplace_back();
+    std::copy_n(sections.data() + 6 * k, 3, plane.origin);
+    std::copy_n(sections.data() + 6 * k + 3, 3, plane.normal);
+  }
   RenderStats stats;
   {
     nb::gil_scoped_release release;
-    stats = method->render(*bound.scene, camera, {samples, threads, edges, shadows, reflectance}, frame);
+    stats = method->render(*bound.scene, camera, options, frame);
   }
   nb::dict result;
   result["project_seconds"] = stats.project_seconds;
@@ -177,6 +189,9 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
   result["pieces"] = stats.pieces;
   result["unresolved"] = stats.unresolved;
   result["unresolved_faces"] = stats.unresolved_faces;
+  if (options.sections.empty()) return result;
+  result["uncapped_faces"] = stats.uncapped_faces;
+  result["section_gaps"] = stats.section_gaps;
   return result;
 }
 
@@ -404,6 +419,11 @@ nb::object rectangles_of(nb::handle loops, BoxRows boxes) {
   return owned_flags(rectangles(view, boxes.data(), boxes.shape(0)));
 }
 
+bool draws_sections(const std::string& name) {
+  const Method* method = find_method(name);
+  return method && method->sections;
+}
+
 bool casts_secondary_rays(const std::string& name) {
   const Method* method = find_method(name);
   return method && method->secondary_rays;
@@ -417,7 +437,7 @@ NB_MODULE(_native, module) {
       .def("__init__", &init_scene, nb::arg("model"))
       .def("render", &render, nb::arg("method"), nb::arg("eye"), nb::arg("axes"), nb::arg("scale"),
            nb::arg("perspective"), nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"),
-           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("color") = nb::none(),
+           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("sections"), nb::arg("color") = nb::none(),
            nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(),
            nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.")
@@ -434,6 +454,7 @@ NB_MODULE(_native, module) {
   module.def(
       "release_frame_buffers", [] { BufferPool::instance().release(); }, "Frees the memory kept for later frames.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
+  module.def("draws_sections", &draws_sections, nb::arg("method"), "Whether the method draws section planes.");
   module.def("casts_secondary_rays", &casts_secondary_rays, nb::arg("method"),
              "Whether the method offers shadows and mirror reflection.");
   module.def("surface_points", &surface_points_of, nb::arg("model"),

@@ -3,12 +3,22 @@
 
 namespace nofacet {
 
+// A plane that a side view looks along (raster/sections.h).
+struct SidePlane {
+  double normal[3], origin[3];  // the normal of unit length
+  int picture_width;            // of the camera whose side view it is
+  bool near_right;              // where the plane's horizontals come towards the eye: at x = +inf, else at -inf
+};
+
 struct Camera {
   double eye[3];
   double right[3], up[3], forward[3];  // orthonormal
   double scale;                        // pixels per model unit (orthographic) or per unit of slope (perspective)
   bool perspective;
   int width, height;
+  // Null except in a side view: then x is the distance from the plane, 0 at width / 2, and the key is the x of the
+  // camera whose side view it is; y and W are that camera's own.
+  const SidePlane* side = nullptr;
 
   // Homogeneous screen point (X, Y, W, Z) of the homogeneous world point (wx, wy, wz, w): x = X / W and y = Y / W in
   // pixels, key = Z / W. The key grows with depth and is linear in x and y on every plane: orthographic, it is the
@@ -23,6 +33,12 @@ struct Camera {
     screen[1] = 0.5 * height * weight - scale * y;
     screen[2] = weight;
     screen[3] = perspective ? -w : z;
+    if (side) {
+      const double* o = side->origin;
+      const double q[3] = {world[0] - o[0] * w, world[1] - o[1] * w, world[2] - o[2] * w};
+      screen[3] = 0.5 * side->picture_width * weight + scale * x;
+      screen[0] = 0.5 * width * weight + scale * dot(side->normal, q);
+    }
   }
   // Homogeneous eye-space point (right, up, forward, w) of a screen point or of its derivative.
   void unproject(const double screen[4], double eye_space[4]) const {

@@ -10,12 +10,18 @@
 
 namespace nofacet {
 
+// What lies on the side of `origin` that `normal` points to is cut away.
+struct SectionPlane {
+  double origin[3], normal[3];  // world; the normal of unit length
+};
+
 struct RenderOptions {
   int samples = 4;  // for colour and coverage: scan planes a pixel row, or rays a pixel's side
   int threads = 1;
   bool edges = false;
   bool shadows = false;      // only methods that cast secondary rays
   double reflectance = 0.0;  // in [0, 1); the same
+  std::vector<SectionPlane> sections;
 };
 
 // What a frame cost and met. Seconds are wall-clock, summed over the threads.
@@ -25,11 +31,15 @@ struct RenderStats {
   int64_t pieces = 0;
   int64_t unresolved = 0;  // pieces left out because they could not be certified; 0 in a sound frame
   std::vector<int32_t> unresolved_faces;
+  // Faces cut by section planes that bound no closed body: there are no caps there.
+  std::vector<int32_t> uncapped_faces;
+  int64_t section_gaps = 0;  // closed outlines of caps that a scan plane met an odd number of times
 };
 
 struct Method {
   const char* name;
   bool secondary_rays;  // whether it can cast shadows and mirror
+  bool sections;        // whether it draws section planes
   RenderStats (*render)(const Scene&, const Camera&, const RenderOptions&, const Frame&);
 };
 

@@ -33,6 +33,12 @@ struct Model {
   const double* placements = nullptr;        // (placements, 4, 4)
   const int8_t* face_outward = nullptr;      // (faces,)
   const float* face_color = nullptr;         // (faces, 4): linear RGBA
+
+  std::size_t body_count = 0;
+  const int64_t* body_offsets = nullptr;      // (bodies + 1,)
+  const int32_t* body_face = nullptr;         // (uses,)
+  const int8_t* body_face_outward = nullptr;  // (uses,)
+  const uint8_t* body_closed = nullptr;       // (bodies,)
 };
 
 }  // namespace nofacet

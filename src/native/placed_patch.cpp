@@ -25,15 +25,18 @@ void project_patch(const Scene& scene, const Camera& camera, int32_t face, const
 }
 
 bool is_off_screen(const Net& net, const Camera& camera) {
-  bool behind = true, left = true, right = true, above = true, below = true;
+  bool behind = true, left = true, right = true, above = true, below = true, nearer = camera.side, in_front = true;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
     behind &= p[kW] <= 0;
     left &= p[kX] < 0;
     right &= p[kX] > camera.width * p[kW];
     above &= p[kY] < 0;
     below &= p[kY] > camera.height * p[kW];
+    if (!camera.side) continue;
+    nearer &= camera.side->near_right ? p[kZ] > camera.side->picture_width * p[kW] : p[kZ] < 0;
+    in_front &= p[kW] > 0;
   }
-  return behind || left || right || above || below;
+  return behind || left || right || above || below || (nearer && !in_front);
 }
 
 }  // namespace nofacet

@@ -16,7 +16,8 @@ Net patch_net(const Scene& scene, const Scene::PatchRef& patch);
 void project_patch(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch, double* out);
 
 // True if no point of the projected net can be in front of the eye and inside the image: every control point lies
-// beyond one of the frustum's planes, in homogeneous form, so it holds for nets that cross the eye plane too.
+// beyond one of the frustum's planes, in homogeneous form, so it holds for nets that cross the eye plane too. In a side
+// view also if the net crosses the eye plane and what is in front of it lies beside the picture, on the nearer side.
 bool is_off_screen(const Net& net, const Camera& camera);
 
 }  // namespace nofacet

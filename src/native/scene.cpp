@@ -1,5 +1,8 @@
 #include "scene.h"
 
+#include <algorithm>
+#include <array>
+#include <map>
 #include <thread>
 #include <utility>
 
@@ -18,6 +21,11 @@ Scene::Scene(Model m) : model(std::move(m)) {
   parallel_for(model.definition_count, threads, [&](std::size_t d, int) {
     if (model.trimmed[d]) regions[d] = std::make_unique<Region>(model, d);
   });
+  prepare_patches();
+  prepare_bodies();
+}
+
+void Scene::prepare_patches() {
   patch_offsets.assign(model.definition_count + 1, 0);
   for (const PatchGroup& group : model.groups) {
     for (std::size_t k = 0; k < group.count; ++k) ++patch_offsets[group.definition[k] + 1];
@@ -32,6 +40,34 @@ Scene::Scene(Model m) : model(std::move(m)) {
       patches[next[group.definition[k]]++] = {int32_t(g), int32_t(k),
                                               ParameterMap(domain[0], domain[1], group.angular[2 * k]),
                                               ParameterMap(domain[2], domain[3], group.angular[2 * k + 1])};
+    }
+  }
+}
+
+void Scene::prepare_bodies() {
+  face_body_offsets.assign(model.face_count + 1, 0);
+  const auto for_each_use = [&](auto&& use) {
+    for (std::size_t b = 0; b < model.body_count; ++b) {
+      for (int64_t k = model.body_offsets[b]; k < model.body_offsets[b + 1]; ++k) use(b, model.body_face[k], k);
+    }
+  };
+  for_each_use([&](std::size_t b, int32_t face, int64_t) { face_body_offsets[face + 1] += model.body_closed[b]; });
+  for (std::size_t f = 0; f < model.face_count; ++f) face_body_offsets[f + 1] += face_body_offsets[f];
+  face_bodies.resize(face_body_offsets.back());
+  std::vector<int64_t> next(face_body_offsets.begin(), face_body_offsets.end() - 1);
+  for_each_use([&](std::size_t b, int32_t face, int64_t k) {
+    if (model.body_closed[b]) face_bodies[next[face]++] = {int32_t(b), model.body_face_outward[k]};
+  });
+  body_colors.resize(4 * model.body_count);
+  for (std::size_t b = 0; b < model.body_count; ++b) {
+    std::map<std::array<float, 4>, int> faces;  // of each colour
+    int most = 0;
+    for (int64_t k = model.body_offsets[b]; k < model.body_offsets[b + 1]; ++k) {
+      std::array<float, 4> color;
+      std::copy_n(model.face_color + 4 * std::size_t(model.body_face[k]), 4, color.begin());
+      if (++faces[color] <= most) continue;
+      most = faces[color];
+      std::copy(color.begin(), color.end(), body_colors.begin() + 4 * b);
     }
   }
 }

@@ -10,6 +10,7 @@ from .measure import Measurement, measure
 from .model import Model
 from .pick import Pick, pick
 from .render import methods, render
+from .section import Section
 from .show import show
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "Measurement",
     "Model",
     "Pick",
+    "Section",
     "SurfacePoints",
     "combine",
     "evaluate",

@@ -113,6 +113,7 @@ def _render(options: argparse.Namespace) -> int:
             buffers,
             options.shadows,
             options.reflectance,
+            options.section,
         )
     except ValueError as error:
         raise UsageError(str(error)) from None
@@ -132,10 +133,14 @@ def _render(options: argparse.Namespace) -> int:
             edges=options.edges,
             shadows=options.shadows,
             reflectance=options.reflectance,
+            sections=options.section,
         )
     incomplete = frame.stats.get("unresolved_faces", ())
     for face in incomplete:
         _say(f"warning: face {face} is not drawn completely: part of it could not be computed reliably")
+    warnings = frame.stats.get("warnings", ())
+    for warning in warnings:
+        _say(f"warning: {warning}")
     if options.verbose:
         _say_stats(frame.stats)
     with _stage(options, "save"):
@@ -145,7 +150,7 @@ def _render(options: argparse.Namespace) -> int:
             sys.stdout.buffer.write(frame.to_png())
         else:
             frame.save(output, options.buffers)
-    return 1 if options.strict and (model.warnings or incomplete) else 0
+    return 1 if options.strict and (model.warnings or incomplete or warnings) else 0
 
 
 def _say_stats(stats: Mapping[str, Any]) -> None:

@@ -10,6 +10,7 @@ from typing import NoReturn
 from .camera import DEFAULT_VIEW_ANGLE, DEFAULT_ZOOM, VIEWS
 from .frame import BUFFERS
 from .render import DEFAULT_METHOD, MAX_PIXELS, methods
+from .section import Section
 
 MAX_SIDE = 32_768  # pixels
 
@@ -108,6 +109,14 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         help="mirror this share, from 0 to below 1 (only --method=bezier_clip_ray; default: 0)",
     )
     add(
+        "--section",
+        type=_section,
+        action="append",
+        default=[],
+        metavar="X,Y,Z/NX,NY,NZ",
+        help="cut the model by a plane through X,Y,Z and take away the side that NX,NY,NZ points to; repeatable",
+    )
+    add(
         "--background-color",
         type=_color,
         metavar="R,G,B",
@@ -149,8 +158,9 @@ def _numbers(text: str, count: int, example: str) -> tuple[float, ...]:
     return values
 
 
-def vector(text: str) -> tuple[float, ...]:
-    return _numbers(text, 3, "-1,1,-0.5")
+def vector(text: str) -> tuple[float, float, float]:
+    x, y, z = _numbers(text, 3, "-1,1,-0.5")
+    return x, y, z
 
 
 def _positive(text: str) -> float:
@@ -165,6 +175,16 @@ def _share(text: str) -> float:
     if not 0 <= value < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not a share from 0 to below 1")
     return value
+
+
+def _section(text: str) -> Section:
+    origin, slash, normal = text.partition("/")
+    if not slash:
+        raise argparse.ArgumentTypeError(f"{text!r} is not ORIGIN/NORMAL; write for example 0,0,10/0,0,1")
+    try:
+        return Section(vector(origin), vector(normal))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _count(text: str) -> int:

@@ -1,8 +1,9 @@
 """The model that every renderer draws: rational Bezier patches and trim loops in plain arrays.
 
 Nothing here knows OpenCascade. Distinct faces ("definitions") are converted once; an assembly that uses one of
-them a thousand times holds a thousand (definition, placement) pairs. Length n, D, L, S, M, F, K, E below are the
-number of patches of a group, definitions, loops, segments, segment points, placed faces, placements and edge uses.
+them a thousand times holds a thousand (definition, placement) pairs. Length n, D, L, S, M, F, K, B, N, E below are the
+number of patches of a group, definitions, loops, segments, segment points, placed faces, placements, bodies, their
+faces and edge uses.
 """
 
 from __future__ import annotations
@@ -73,6 +74,13 @@ class Model:
     face_color: (F, 4) float32, linear RGBA.
     face_name: F strings, "" without a name.
 
+    Bodies: solids, shells that are in no solid, faces that are in no shell, where they stand; B = 0 where not known:
+    body_offsets: (B + 1,) int64, offsets into body_face.
+    body_face: (N,) int32, the placed faces that bound each body; two bodies may share a face.
+    body_face_outward: (N,) int8, +1 where Su x Sv (in world coordinates) points out of the body there, else -1.
+    body_closed: (B,) uint8, 1: every edge is used as often one way as the other, and all faces are drawn: the body has
+        an inside, in which section planes show caps.
+
     Uses of edges in placed faces, E of them, face by face; E = 0 where not measured:
     edge_use_face: (E,) int32, the placed face.
     edge_use_deviation: (E,) float64, distance between the edge's curve in space and the curve on the surface that
@@ -99,6 +107,10 @@ class Model:
     face_outward: NDArray[np.int8]
     face_color: NDArray[np.float32]
     face_name: list[str]
+    body_offsets: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+    body_face: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
+    body_face_outward: NDArray[np.int8] = field(default_factory=lambda: np.empty(0, np.int8))
+    body_closed: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, np.uint8))
     edge_use_face: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
     edge_use_deviation: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     edge_use_tolerance: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .model import Model, Node, PatchGroup
 
-MAGIC = b"nofacet model 1\n"
+MAGIC = b"nofacet model 2\n"
 _ALIGNMENT = 64  # of arrays: a cache line
 _START = len(MAGIC) + hashlib.sha256().digest_size
 _TEXTS = ("source", "surface_type", "face_name", "warnings")

@@ -13,6 +13,7 @@ from .errors import InputError
 from .frame import BUFFERS, Frame
 from .model import Model
 from .scene import scene_of
+from .section import Section, uncapped_warnings
 
 DEFAULT_METHOD = "bezier_clip_scanline"
 DEFAULT_BUFFERS = ("color", "coverage", "depth", "face")
@@ -36,6 +37,7 @@ def render(
     edges: bool = False,
     shadows: bool = False,
     reflectance: float = 0.0,
+    sections: Sequence[Section] = (),
 ) -> Frame:
     """Draw `model` as `camera` sees it.
 
@@ -49,11 +51,14 @@ def render(
     shadows: of the key light; opaque faces cast them. Only with a method that casts secondary rays.
     reflectance: share of the mirror image in every face's colour, 0 to below 1; four bounces. Where it shows nothing,
         `color` lets that share of the background through. Only with a method that casts secondary rays.
+    sections: planes that cut the model; a point is drawn only if every one of them keeps it. Closed bodies show caps
+        in the planes, in the colour of most of their faces; on a cap `face` is -2 - (the plane's index), `normal` the
+        plane's and `uv` NaN. Bodies that are not closed are cut open: `stats["warnings"]` has a line for each that is.
 
     Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw.
     The frame's `stats` hold the stages' times in seconds and counts.
     """
-    check_request(resolution, method, samples, threads, buffers, shadows, reflectance)
+    check_request(resolution, method, samples, threads, buffers, shadows, reflectance, sections)
     if not model.groups:
         raise InputError(f"{model.source}: no face could be converted, there is nothing to draw; see its warnings")
     width, height = resolution
@@ -80,8 +85,11 @@ def render(
         edges=edges,
         shadows=shadows,
         reflectance=reflectance,
+        sections=np.array([(plane.origin, plane.normal) for plane in sections], float).reshape(-1, 2, 3),
         **arrays,
     )
+    if sections:
+        stats["warnings"] = uncapped_warnings(model, stats.pop("uncapped_faces"))
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
 
 
@@ -93,6 +101,7 @@ def check_request(
     buffers: Sequence[str],
     shadows: bool = False,
     reflectance: float = 0.0,
+    sections: Sequence[Section] = (),
 ) -> None:
     """Raise ValueError, in one line, for what render() would refuse whatever the model and the camera."""
     width, height = resolution
@@ -115,3 +124,6 @@ def check_request(
     if (shadows or reflectance) and not _native.casts_secondary_rays(method):
         able = ", ".join(name for name in methods() if _native.casts_secondary_rays(name))
         raise ValueError(f"method {method!r} casts neither shadows nor mirror images; choose {able}")
+    if sections and not _native.draws_sections(method):
+        able = ", ".join(name for name in methods() if _native.draws_sections(name))
+        raise ValueError(f"method {method!r} draws no section planes; choose {able}")

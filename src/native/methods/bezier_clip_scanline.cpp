@@ -9,47 +9,33 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <optional>
 
 #include "methods.h"
 #include "parallel.h"
 #include "raster/band.h"
 #include "raster/edge_lines.h"
 #include "raster/frame_patches.h"
+#include "raster/sections.h"
 #include "stopwatch.h"
 
 namespace nofacet {
-namespace {
-
-constexpr int kBandRows = 32;  // rows handed to a thread at a time
-
-// For each band of rows the patches whose y range meets it.
-std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, int rows) {
-  const int bands = (rows + kBandRows - 1) / kBandRows;
-  std::vector<std::vector<int32_t>> result(bands);
-  const auto band_of = [&](double y) {
-    return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / kBandRows, 0, bands - 1);
-  };
-  for (std::size_t k = 0; k < patches.size(); ++k) {
-    const int last = band_of(patches[k].y.hi + 1.0);
-    for (int band = band_of(patches[k].y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
-  }
-  return result;
-}
-
-}  // namespace
-
 RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                         const Frame& frame) {
   RenderStats stats;
   Stopwatch watch;
   const bool area = frame.color || frame.coverage;
   const ScanPlanes planes(frame.height, area ? options.samples : 0, frame.needs_values() || frame.color);
-  FramePatches patches(scene, camera, planes, options.threads);
+  std::optional<Sections> sections;
+  if (!options.sections.empty()) sections.emplace(scene, camera, planes, options.sections, options.threads);
+  FramePatches patches(scene, camera, planes, options.threads, sections ? &*sections : nullptr);
   const auto bands = sort_into_bands(patches.patches(), frame.height);
   watch.lap(stats.project_seconds);
 
   std::deque<BandPainter> painters;
-  for (int k = 0; k < options.threads; ++k) painters.emplace_back(scene, camera, planes, patches, k, frame);
+  for (int k = 0; k < options.threads; ++k) {
+    painters.emplace_back(scene, camera, planes, patches, sections ? &*sections : nullptr, k, frame);
+  }
   parallel_for(bands.size(), options.threads, [&](std::size_t band, int thread) {
     const int first = int(band) * kBandRows;
     painters[thread].paint(first, std::min(frame.height, first + kBandRows), bands[band]);
@@ -57,6 +43,7 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
   stats.pieces = patches.piece_count();
   stats.unresolved = patches.unresolved();
   stats.unresolved_faces = patches.unresolved_faces();
+  if (sections) sections->add_to(stats);
   for (const BandPainter& painter : painters) {
     stats.subdivide_seconds += painter.times().subdivide;
     stats.span_seconds += painter.times().spans;
@@ -67,7 +54,7 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
 
   if (options.edges && frame.color && frame.depth) {
     watch.restart();
-    draw_edge_lines(scene, camera, options.threads, frame);
+    draw_edge_lines(scene, camera, options.threads, frame, sections ? &*sections : nullptr);
     watch.lap(stats.edge_seconds);
   }
   return stats;

@@ -33,7 +33,7 @@ double longest_difference(const std::vector<Interval>& p, const std::vector<Inte
 }  // namespace
 
 BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, FramePatches& patches,
-                         int thread, const Frame& frame)
+                         Sections* sections, int thread, const Frame& frame)
     : scene_(scene),
       camera_(camera),
       planes_(planes),
@@ -41,7 +41,9 @@ BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPla
       thread_(thread),
       frame_(frame),
       visibility_(camera, patches.depth_tie()),
-      average_(scene, camera, frame, visibility_) {}
+      average_(scene, camera, frame, visibility_) {
+  if (sections) cuts_.emplace(scene, *sections, thread);
+}
 
 void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& patches) {
   first_row_ = first_row, end_row_ = end_row;
@@ -100,6 +102,7 @@ int BandPainter::sample_plane(int row, int k) const {
 void BandPainter::cut_patches() {
   spans_.reuse();
   order_ = 0;
+  if (cuts_) insert_caps(plane_y_.data(), int(plane_y_.size()), lines_.data());
   for (const int32_t index : *band_patches_) {
     const PlacedPatch& patch = patches_.patches()[index];
     const auto [first, last] = planes_in(patch.y);
@@ -107,18 +110,28 @@ void BandPainter::cut_patches() {
     watch_.lap(times_.visibility);
     const auto [piece, end] = patches_.pieces(index, thread_);
     watch_.lap(times_.subdivide);
-    for (const Piece* p = piece; p != end; ++p) cut_piece(*p);
+    for (const Piece* p = piece; p != end; ++p) cut_piece(*p, patch.cut);
   }
 }
 
-void BandPainter::cut_piece(const Piece& piece) {
+void BandPainter::cut_piece(const Piece& piece, bool sectioned) {
   const auto [first, last] = planes_in(piece.y);
   if (first == last || hidden(piece.x, piece.key.lo, first, last)) return;
   watch_.lap(times_.visibility);
   made_.clear();
   maker_.append(piece, plane_y_.data() + first, last - first, first, camera_.width, made_);
+  if (sectioned) cuts_->remove(piece, made_);
   watch_.lap(times_.spans);
   insert_spans(piece, lines_.data());
+}
+
+// Cuts the planes y[0] .. y[count - 1] by the section planes and hands the caps to their lines.
+void BandPainter::insert_caps(const double* y, int count, ScanLine* lines) {
+  cuts_->cut(first_row_ / kBandRows, y, count);
+  for (const CapSpans& cap : cuts_->caps()) {
+    made_.assign(cap.first, cap.last);
+    insert_spans(*cap.first->piece, lines);
+  }
 }
 
 // The planes [first, second) of the band that lie in y.
@@ -143,7 +156,7 @@ void BandPainter::insert_spans(const Piece& piece, ScanLine* lines) {
   ++order_;
   Span* kept = spans_.take(made_.size());
   std::copy(made_.begin(), made_.end(), kept);
-  const bool opaque = scene_.model.face_color[4 * std::size_t(piece.face) + 3] >= 1.0f;
+  const bool opaque = scene_.color(piece.face)[3] >= 1.0f;
   for (Span *span = kept, *end = kept + made_.size(); span != end; ++span) {
     span->order = order_ - 1;
     ScanLine& line = lines[span->plane];
@@ -253,6 +266,7 @@ const ScanLine& BandPainter::cut_level(double y) {
   if (level_count_ == level_lines_.size()) level_lines_.emplace_back();
   ScanLine& line = level_lines_[level_count_++];
   line.clear(y);
+  if (cuts_) insert_caps(&y, 1, &line);
   const auto hides = [&](Interval x, double nearest) {
     return line.hides(std::max(x.lo, 0.0), std::min(x.hi, double(camera_.width)), nearest - visibility_.tie(nearest));
   };
@@ -264,6 +278,7 @@ const ScanLine& BandPainter::cut_level(double y) {
       if (!(p->y.lo <= y && y <= p->y.hi) || hides(p->x, p->key.lo)) continue;
       made_.clear();
       maker_.append(*p, &y, 1, 0, camera_.width, made_);
+      if (patch.cut) cuts_->remove(*p, made_);
       insert_spans(*p, &line);
     }
   }

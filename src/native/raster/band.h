@@ -1,6 +1,7 @@
 // A band of pixel rows: its scan planes, what they meet, and the rows' buffers.
 #pragma once
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "arena.h"
@@ -8,6 +9,7 @@
 #include "raster/frame_patches.h"
 #include "raster/row_average.h"
 #include "raster/scan_line.h"
+#include "raster/section_cuts.h"
 #include "raster/solve_pixels.h"
 #include "stopwatch.h"
 
@@ -21,10 +23,11 @@ struct BandTimes {
 // Draws bands of one frame. One per thread; holds a band's scratch memory.
 class BandPainter {
  public:
-  BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, FramePatches& patches, int thread,
-              const Frame& frame);
+  // `sections`: of the frame; null: none.
+  BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, FramePatches& patches,
+              Sections* sections, int thread, const Frame& frame);
 
-  // Draws the rows [first_row, end_row). `patches`: indices of those whose y range may meet them, in a fixed order,
+  // Draws the rows [first_row, end_row), a band of kBandRows or the last one. `patches`: indices of those whose y range may meet them, in a fixed order,
   // best nearest first.
   void paint(int first_row, int end_row, const std::vector<int32_t>& patches);
   const BandTimes& times() const { return times_; }
@@ -35,7 +38,8 @@ class BandPainter {
   int centre_plane(int row) const;
   int sample_plane(int row, int k) const;
   void cut_patches();
-  void cut_piece(const Piece& piece);
+  void cut_piece(const Piece& piece, bool sectioned);
+  void insert_caps(const double* y, int count, ScanLine* lines);
   bool hidden(Interval x, double nearest, int first, int last) const;
   std::pair<int, int> planes_in(Interval y) const;
   void insert_spans(const Piece& piece, ScanLine* lines);
@@ -58,6 +62,7 @@ class BandPainter {
   SpanMaker maker_;
   Visibility visibility_;
   RowAverage average_;
+  std::optional<SectionCuts> cuts_;
   Stopwatch watch_;
   BandTimes times_;
 

@@ -6,6 +6,7 @@
 
 #include "bezier/bernstein.h"
 #include "parallel.h"
+#include "raster/sections.h"
 #include "trim/curve.h"
 
 namespace nofacet {
@@ -16,7 +17,7 @@ constexpr double kHalfWidth = 0.6;  // pixels
 constexpr double kOpacity = 0.85;
 constexpr float kLineColor = 0.01f;  // linear, all three channels
 constexpr int kMaxHalvings = 12;
-constexpr int kBandRows = 16;
+constexpr int kLineRows = 16;
 
 struct LinePoint {
   double x, y, depth;
@@ -121,6 +122,22 @@ std::vector<Chord> face_chords(const Scene& scene, const Camera& camera, const F
   return chords;
 }
 
+// Leaves of the chords what the section planes keep.
+void cut_chords(const Sections& sections, const Camera& camera, std::vector<Chord>& chords) {
+  const auto key = [&](double depth) { return camera.perspective ? -1.0 / depth : depth; };
+  std::erase_if(chords, [&](Chord& chord) {
+    const LinePoint p = chord.from, q = chord.to;
+    const double from[3] = {p.x, p.y, key(p.depth)}, to[3] = {q.x, q.y, key(q.depth)};
+    const Interval part = sections.kept_part(from, to);
+    const auto at = [&](double t) {
+      return LinePoint{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.depth + t * (q.depth - p.depth), true};
+    };
+    if (part.lo > 0.0) chord.from = at(part.lo);
+    if (part.hi < 1.0) chord.to = at(part.hi);
+    return part.lo >= part.hi;
+  });
+}
+
 // How much the depth of the surface at a pixel changes towards its neighbours. A step to another surface on one side
 // does not count: the smoother side decides.
 double depth_slope(const Frame& frame, int x, int y) {
@@ -170,22 +187,25 @@ void draw_chord(const Chord& chord, const Camera& camera, const Frame& frame, in
 
 }  // namespace
 
-void draw_edge_lines(const Scene& scene, const Camera& camera, int threads, const Frame& frame) {
+void draw_edge_lines(const Scene& scene, const Camera& camera, int threads, const Frame& frame,
+                     const Sections* sections) {
   std::vector<std::vector<Chord>> chords(scene.model.face_count);
-  parallel_for(chords.size(), threads,
-               [&](std::size_t face, int) { chords[face] = face_chords(scene, camera, frame, int32_t(face)); });
-  const int bands = (frame.height + kBandRows - 1) / kBandRows;
+  parallel_for(chords.size(), threads, [&](std::size_t face, int) {
+    chords[face] = face_chords(scene, camera, frame, int32_t(face));
+    if (sections) cut_chords(*sections, camera, chords[face]);
+  });
+  const int bands = (frame.height + kLineRows - 1) / kLineRows;
   std::vector<std::vector<const Chord*>> by_band(bands);
   for (const auto& list : chords) {
     for (const Chord& chord : list) {
       const double lo = std::min(chord.from.y, chord.to.y) - 2, hi = std::max(chord.from.y, chord.to.y) + 2;
-      const int first = std::clamp(int(std::max(lo, 0.0)) / kBandRows, 0, bands - 1);
-      const int last = std::clamp(int(std::min(std::max(hi, 0.0), double(frame.height))) / kBandRows, 0, bands - 1);
+      const int first = std::clamp(int(std::max(lo, 0.0)) / kLineRows, 0, bands - 1);
+      const int last = std::clamp(int(std::min(std::max(hi, 0.0), double(frame.height))) / kLineRows, 0, bands - 1);
       for (int band = first; band <= last; ++band) by_band[band].push_back(&chord);
     }
   }
   parallel_for(by_band.size(), threads, [&](std::size_t band, int) {
-    const int row0 = int(band) * kBandRows, row1 = std::min(frame.height, row0 + kBandRows);
+    const int row0 = int(band) * kLineRows, row1 = std::min(frame.height, row0 + kLineRows);
     std::vector<float> opacity(std::size_t(row1 - row0) * frame.width, 0.0f);
     for (const Chord* chord : by_band[band]) draw_chord(*chord, camera, frame, row0, row1, opacity.data());
     float* color = frame.color + 4 * std::size_t(row0) * frame.width;

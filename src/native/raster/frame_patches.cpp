@@ -6,6 +6,7 @@
 
 #include "parallel.h"
 #include "placed_patch.h"
+#include "raster/sections.h"
 
 namespace nofacet {
 namespace {
@@ -29,8 +30,22 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
 
 }  // namespace
 
-FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads) {
-  place(scene, camera, planes, threads);
+std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, int rows) {
+  const int bands = (rows + kBandRows - 1) / kBandRows;
+  std::vector<std::vector<int32_t>> result(bands);
+  const auto band_of = [&](double y) {
+    return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / kBandRows, 0, bands - 1);
+  };
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    const int last = band_of(patches[k].y.hi + 1.0);
+    for (int band = band_of(patches[k].y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
+  }
+  return result;
+}
+
+FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads,
+                           const Sections* sections) {
+  place(scene, camera, planes, threads, sections);
   Interval depth = Interval::empty();
   for (const PlacedPatch& placed : patches_) {
     if (placed.before_eye) depth.include(camera.depth(placed.key.lo)), depth.include(camera.depth(placed.key.hi));
@@ -42,12 +57,13 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
   for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes), {}, {}, 0, {}});
 }
 
-void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads) {
+void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads,
+                         const Sections* sections) {
   std::vector<PlacedPatch> all;
   for (std::size_t face = 0; face < scene.model.face_count; ++face) {
     const int32_t d = scene.model.face_definition[face];
     for (std::size_t k = scene.patch_offsets[d]; k < scene.patch_offsets[d + 1]; ++k) {
-      all.push_back({int32_t(face), &scene.patches[k], {}, {}, {}, false});
+      all.push_back({int32_t(face), &scene.patches[k], {}, {}, {}, false, false});
     }
   }
   std::vector<uint8_t> shown(all.size());
@@ -55,7 +71,9 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
     std::vector<double> points;
     for (std::size_t k = task * kTaskPatches; k < std::min(all.size(), (task + 1) * kTaskPatches); ++k) {
       const Net net = projected_net(scene, camera, all[k].face, *all[k].patch, points);
-      shown[k] = bound_patch(net, camera, planes, &all[k]);
+      const Sections::Side side = sections ? sections->side(net) : Sections::Side::kept;
+      all[k].cut = side == Sections::Side::cut;
+      shown[k] = side != Sections::Side::removed && bound_patch(net, camera, planes, &all[k]);
     }
   });
   for (std::size_t k = 0; k < all.size(); ++k) {

@@ -16,12 +16,21 @@ struct PlacedPatch {
   Interval x, y;    // pixels
   Interval key;     // depth key
   bool before_eye;  // all of it; else the bounds are infinite
+  bool cut = false;  // a section plane may run through it
 };
+
+class Sections;
+
+inline constexpr int kBandRows = 32;  // rows handed to a thread at a time
+// For each band of rows the patches whose y range meets it.
+std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, int rows);
 
 class FramePatches {
  public:
-  // Projects all patches and keeps those that some scan plane may meet, nearest first.
-  FramePatches(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads);
+  // Projects all patches and keeps those that some scan plane may meet, nearest first; with `sections` (else null)
+  // only what these leave.
+  FramePatches(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads,
+               const Sections* sections = nullptr);
 
   const std::vector<PlacedPatch>& patches() const { return patches_; }
   // The pieces of patches()[index], made at the first call by whichever thread comes first; they do not depend on it.
@@ -50,7 +59,7 @@ class FramePatches {
     std::vector<int32_t> unresolved_faces;
   };
 
-  void place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads);
+  void place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads, const Sections* sections);
   void build(int32_t index, Worker& worker);
 
   std::vector<PlacedPatch> patches_;

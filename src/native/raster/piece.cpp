@@ -254,6 +254,7 @@ namespace {
 
 // Pixels on the screen's scale that a unit of the key stands for, at most.
 double pixels_per_key(const Camera& camera, Interval key) {
+  if (camera.side) return 1.0;
   return camera.perspective ? camera.scale / key.mignitude() : camera.scale;
 }
 

@@ -178,7 +178,7 @@ void RowAverage::add_stack(double from, double to, double weight) {
   coverage_ += area;
   double light = area;  // what still passes through the layers so far
   for (const Layer& layer : layers_) {
-    const double opacity = scene_.model.face_color[4 * std::size_t(layer.span->piece->face) + 3];
+    const double opacity = scene_.color(layer.span->piece->face)[3];
     float rgb[3] = {0, 0, 0};
     if (frame_.color) fragment_color(*layer.span, middle, rgb);
     for (int c = 0; c < 3; ++c) rgb_[c] += light * opacity * rgb[c];
@@ -199,7 +199,7 @@ const float* RowAverage::neighbour_color(const Piece& piece, int px, const float
 // the row, shows the same opaque surface its shade serves, else the fragment's own is evaluated (a transparent face may
 // show its front and its back in one pixel).
 void RowAverage::fragment_color(const Span& span, double x, float rgb[3]) const {
-  const float* color = scene_.model.face_color + 4 * std::size_t(span.piece->face);
+  const float* color = scene_.color(span.piece->face);
   if (color[3] >= 1.0f) {
     const float* found = centre_face_ == span.piece->face ? centre_rgb_ : nullptr;
     if (!found) {

@@ -19,6 +19,16 @@ void normal_of_patch(const Scene& scene, const Piece& piece, const Camera& camer
   patch_normal(scene, camera, piece.face, *piece.patch, s, t, normal);
 }
 
+// Unit normal in eye space of the plane on which the key is linear.
+void plane_normal(const KeyPlane& plane, const Camera& camera, double normal[3]) {
+  const double at_centre = plane.key(0.5 * camera.width, 0.5 * camera.height);
+  normal[0] = camera.scale * plane.by_x;
+  normal[1] = -camera.scale * plane.by_y;
+  normal[2] = camera.perspective ? at_centre : -1.0;
+  const double length = std::sqrt(Camera::dot(normal, normal));
+  for (int c = 0; c < 3; ++c) normal[c] /= length;
+}
+
 }  // namespace
 
 bool is_tiny(const Piece& piece) { return piece.s1 - piece.s0 < kTinyPiece || piece.t1 - piece.t0 < kTinyPiece; }
@@ -30,7 +40,9 @@ void surface_normal(const Scene& scene, const Piece& piece, const Camera& camera
   camera.unproject(sample.jet.pa, pa);
   camera.unproject(sample.jet.pb, pb);
   const Tangents tangents(p, pa, pb);
-  if (is_tiny(piece) || tangents.degenerate() || !tangents.cross(normal)) {
+  if (scene.is_cap(piece.face)) {
+    plane_normal(piece.key_plane, camera, normal);
+  } else if (is_tiny(piece) || tangents.degenerate() || !tangents.cross(normal)) {
     normal_of_patch(scene, piece, camera, sample.a, sample.b, normal);
   }
   const double towards_back = camera.perspective ? Camera::dot(normal, p) * p[3] : normal[2];

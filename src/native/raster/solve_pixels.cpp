@@ -306,7 +306,7 @@ void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, 
                   const PixelJob* jobs, std::size_t count, std::vector<HardPixel>& hard) {
   for (const PixelJob *job = jobs, *end = jobs + count; job != end && frame.face; ++job) {
     int32_t* row = frame.face + std::size_t(job->row) * frame.width;
-    fill(row + job->first, job->last - job->first, piece.face);
+    fill(row + job->first, job->last - job->first, scene.face_number(piece.face));
   }
   if (!frame.depth && !frame.color && !frame.uv && !frame.normal) return;
   if ((piece.kind > CutKind::fold || is_tiny(piece)) && !piece.planar) {
@@ -317,7 +317,7 @@ void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, 
     }
     return;
   }
-  const float* color = scene.model.face_color + 4 * std::size_t(piece.face);
+  const float* color = scene.color(piece.face);
   HWY_DYNAMIC_DISPATCH(SolvePixels)(camera, frame, piece, color, jobs, count, hard);
 }
 
@@ -340,7 +340,7 @@ void solve_hard_pixel(const Scene& scene, const Camera& camera, const Frame& fra
     }
   }
   if (!pixel.values || !frame.color) return;
-  shade(camera, sample, n, scene.model.face_color + 4 * std::size_t(piece.face), frame.color + 4 * at);
+  shade(camera, sample, n, scene.color(piece.face), frame.color + 4 * at);
   frame.color[4 * at + 3] = 1.0f;
 }
 

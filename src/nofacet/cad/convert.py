@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from ..model import DEFAULT_COLOR, Model
 from . import stream as brep
+from .bodies import Bodies, BodyFinder, are_closed
 from .geometry import SURFACES
 from .loops import Loops, merged, without
+from .orientation import composed
 from .patches import PatchBuilder, are_exact
 from .stream import REVERSED, Stream
 from .tables import Index, expand_runs, offsets_of
@@ -54,11 +56,12 @@ def _garbage_collection_paused() -> Iterator[None]:
 @dataclass(frozen=True)
 class PlacedFaces:
     """Faces of the stream where they stand in the shape: index into shapes, number of the location, orientation, each
-    (F,)."""
+    (F,); and the bodies they bound."""
 
     shape: Index
     location: Index
     orientation: NDArray[np.uint8]
+    bodies: Bodies
 
 
 def placed_faces(stream: Stream) -> PlacedFaces:
@@ -66,27 +69,29 @@ def placed_faces(stream: Stream) -> PlacedFaces:
     below = stream.children
     holds_faces = np.isin(stream.kinds, brep.SOLID_LIKE)
     orientation, shape, location = (np.array([value]) for value in stream.root)
+    finder, body = BodyFinder(), np.array([-1])
     while (holds := holds_faces[shape]).any():
+        body = finder.enter(stream.kinds[shape], shape, location, body)
         # each such shape makes way for its children, a face stays, anything else has no faces
         count = np.where(holds, np.diff(below.offsets)[shape], stream.kinds[shape] == brep.FACE)
         parent, k = expand_runs(np.where(holds, below.offsets[shape], 0), count)
         inner = np.flatnonzero(holds[parent])
         k, outer = k[inner], parent[inner]
         orientations, shapes, locations = orientation[parent], shape[parent], location[parent]
-        orientations[inner] = _composed(orientation[outer], below.orientation[k])
+        orientations[inner] = composed(orientation[outer], below.orientation[k])
         shapes[inner] = below.shape[k]
         locations[inner] = stream.locations.compose_all(location[outer], below.location[k])
-        orientation, shape, location = orientations, shapes, locations
+        orientation, shape, location, body = orientations, shapes, locations, body[parent]
+    body = finder.enter(stream.kinds[shape], shape, location, body)
     place = shape * (location.max(initial=0) + 1) + location
     faces = np.flatnonzero(stream.kinds[shape] == brep.FACE)
-    first = faces[np.sort(np.unique(place[faces], return_index=True)[1])]
-    return PlacedFaces(shape[first], location[first], orientation[first].astype(np.uint8))
-
-
-def _composed(outer: NDArray[Any], inner: NDArray[Any]) -> NDArray[Any]:
-    """TopAbs::Compose: a reversed parent flips, an internal or external one passes its own on."""
-    flipped = np.where((outer == REVERSED) & (inner <= REVERSED), 1 - inner.astype(np.intp), inner)
-    return np.where(outer <= REVERSED, flipped, outer)
+    _, first, which = np.unique(place[faces], return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(order), np.intp)
+    rank[order] = np.arange(len(order))
+    bodies = finder.bodies(body[faces], rank[which], orientation[faces])
+    first = faces[first[order]]
+    return PlacedFaces(shape[first], location[first], orientation[first].astype(np.uint8), bodies)
 
 
 WANTED = 1e-9  # of a face's size: an approximated surface that misses this is named in a warning
@@ -221,6 +226,7 @@ def _assemble(source: str, stream: Stream, faces: PlacedFaces, conversion: _Conv
     placements, face_placement = _placements(stream, faces)
     mirrored = (np.linalg.det(placements[:, :3, :3]) < 0)[face_placement]
     backwards = faces.orientation == REVERSED
+    bodies = faces.bodies
     count = len(faces.shape)
     definition_of = np.empty(len(stream.kinds), np.int32)
     definition_of[conversion.definitions] = np.arange(len(conversion.definitions))
@@ -242,8 +248,20 @@ def _assemble(source: str, stream: Stream, faces: PlacedFaces, conversion: _Conv
         face_outward=np.where(mirrored ^ backwards, -1, 1).astype(np.int8),
         face_color=np.tile(np.array(DEFAULT_COLOR, np.float32), (count, 1)),
         face_name=[""] * count,
+        body_offsets=bodies.offsets,
+        body_face=bodies.face.astype(np.int32),
+        body_face_outward=np.where(mirrored[bodies.face] ^ bodies.reversed, -1, 1).astype(np.int8),
+        body_closed=_closed(stream, conversion, bodies, definition_of[faces.shape[bodies.face]]),
         warnings=conversion.warnings(faces),
     )
+
+
+def _closed(stream: Stream, conversion: _Conversion, bodies: Bodies, definition: Index) -> NDArray[np.uint8]:
+    """Whether each body (B,) is closed, and all of its faces are drawn; definition: (N,), of the faces it uses."""
+    closed = are_closed(stream, bodies.shape)
+    body = np.repeat(np.arange(len(closed)), np.diff(bodies.offsets))
+    closed[body[np.isin(definition, list(conversion.problems))]] = False
+    return closed.astype(np.uint8)
 
 
 def _placements(stream: Stream, faces: PlacedFaces) -> tuple[NDArray[np.float64], NDArray[np.int32]]:

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
 HEADER = b"\nOpen CASCADE Topology V4, (c) Open Cascade\n"
-SOLID_LIKE, FACE, WIRE, EDGE, VERTEX = (0, 1, 2, 3), 4, 5, 6, 7  # TopAbs_ShapeEnum; 0-3 compound .. shell
+SOLID_LIKE = COMPOUND, COMPSOLID, SOLID, SHELL = 0, 1, 2, 3  # TopAbs_ShapeEnum: what holds faces
+FACE, WIRE, EDGE, VERTEX = 4, 5, 6, 7
 FORWARD, REVERSED, INTERNAL, EXTERNAL = 0, 1, 2, 3  # TopAbs_Orientation
 
 Array = NDArray[np.float64]
