@@ -20,6 +20,7 @@ from nofacet.camera import Camera
 from nofacet.errors import InputError
 from nofacet.frame import BUFFERS, Frame
 from nofacet.model import Model, Node
+from nofacet.section import Section
 
 
 class Stand:
@@ -183,6 +184,10 @@ def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments
         (["--samples=257"], "give 1 to 256"),
         (["--shadows"], "casts neither shadows nor mirror images; choose bezier_clip_ray"),
         (["--reflectance=0.5"], "casts neither shadows nor mirror images; choose bezier_clip_ray"),
+        (["--section=1,2,3"], "'1,2,3' is not ORIGIN/NORMAL; write for example 0,0,10/0,0,1"),
+        (["--section=1,2/0,0,1"], "'1,2' is not 3 numbers"),
+        (["--section=0,0,0/0,0,0"], "the normal is 0, 0, 0"),
+        (["--section=0,0,0/0,0,1", "--method=bezier_clip_ray", "--shadows"], "section planes cut neither"),
         (["--reflectance=1", "--method=bezier_clip_ray"], "'1' is not a share from 0 to below 1"),
         (["--threads=1025"], "give 1 to 1024"),
         (["--output=part.jpg"], "use .png, .exr or .npz"),
@@ -239,6 +244,16 @@ def test_warnings_fail_only_with_strict(stand: Stand, capsys: pytest.CaptureFixt
     assert capsys.readouterr().err.splitlines() == expected
     assert run("--output=part.png", "--strict") == 1
     assert Path("part.png").exists()
+
+
+def test_sections(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:
+    planes = ["--section=0,0,1/0,0,1", "--section=0,-1,0/0,-2,0"]
+    assert run("--output=part.png", *planes) == 0
+    assert stand.rendered["sections"] == [Section((0, 0, 1), (0, 0, 1)), Section((0, -1, 0), (0, -1, 0))]
+    stand.stats["warnings"] = ["face 3: not a closed volume"]
+    assert run("--output=part.png", *planes) == 0
+    assert "warning: face 3: not a closed volume" in only_line(capsys)
+    assert run("--output=part.png", "--strict", *planes) == 1
 
 
 def test_faces_that_could_not_be_drawn_are_named(stand: Stand, capsys: pytest.CaptureFixture[str]) -> None:

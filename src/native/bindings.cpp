@@ -153,8 +153,8 @@ Camera make_camera(std::tuple<double, double, double> eye, Array<double, nb::sha
 nb::dict render(const BoundScene& bound, const std::string& method_name, std::tuple<double, double, double> eye,
                 Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height, int samples,
                 int threads, bool edges, bool shadows, double reflectance, Array<double, nb::shape<-1, 2, 3>> sections,
-                Buffer<float> color, Buffer<float> coverage,
-                Buffer<double> depth, Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
+                Buffer<float> color, Buffer<float> coverage, Buffer<double> depth, Buffer<int32_t> face,
+                Buffer<double> uv, Buffer<float> normal) {
   const Method* method = find_method(method_name);
   if (!method) throw std::invalid_argument("unknown method " + method_name);
   const Camera camera = make_camera(eye, axes, scale, perspective, width, height);
@@ -419,11 +419,6 @@ nb::object rectangles_of(nb::handle loops, BoxRows boxes) {
   return owned_flags(rectangles(view, boxes.data(), boxes.shape(0)));
 }
 
-bool draws_sections(const std::string& name) {
-  const Method* method = find_method(name);
-  return method && method->sections;
-}
-
 bool casts_secondary_rays(const std::string& name) {
   const Method* method = find_method(name);
   return method && method->secondary_rays;
@@ -437,9 +432,9 @@ NB_MODULE(_native, module) {
       .def("__init__", &init_scene, nb::arg("model"))
       .def("render", &render, nb::arg("method"), nb::arg("eye"), nb::arg("axes"), nb::arg("scale"),
            nb::arg("perspective"), nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"),
-           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("sections"), nb::arg("color") = nb::none(),
-           nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(), nb::arg("face") = nb::none(),
-           nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
+           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("sections"),
+           nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(),
+           nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.")
       .def("evaluate", &evaluate_scene, nb::arg("face"), nb::arg("uv"), nb::arg("position"), nb::arg("normal"),
            nb::arg("curvature"), nb::arg("direction"),
@@ -454,7 +449,6 @@ NB_MODULE(_native, module) {
   module.def(
       "release_frame_buffers", [] { BufferPool::instance().release(); }, "Frees the memory kept for later frames.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
-  module.def("draws_sections", &draws_sections, nb::arg("method"), "Whether the method draws section planes.");
   module.def("casts_secondary_rays", &casts_secondary_rays, nb::arg("method"),
              "Whether the method offers shadows and mirror reflection.");
   module.def("surface_points", &surface_points_of, nb::arg("model"),

@@ -4,8 +4,8 @@ namespace nofacet {
 
 const std::vector<Method>& methods() {
   static const std::vector<Method> table = {
-      {"bezier_clip_scanline", false, true, render_bezier_clip_scanline},
-      {"bezier_clip_ray", true, false, render_bezier_clip_ray},
+      {"bezier_clip_scanline", false, render_bezier_clip_scanline},
+      {"bezier_clip_ray", true, render_bezier_clip_ray},
   };
   return table;
 }

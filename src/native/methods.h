@@ -7,13 +7,9 @@
 #include "camera.h"
 #include "frame.h"
 #include "scene.h"
+#include "section_plane.h"
 
 namespace nofacet {
-
-// What lies on the side of `origin` that `normal` points to is cut away.
-struct SectionPlane {
-  double origin[3], normal[3];  // world; the normal of unit length
-};
 
 struct RenderOptions {
   int samples = 4;  // for colour and coverage: scan planes a pixel row, or rays a pixel's side
@@ -39,7 +35,6 @@ struct RenderStats {
 struct Method {
   const char* name;
   bool secondary_rays;  // whether it can cast shadows and mirror
-  bool sections;        // whether it draws section planes
   RenderStats (*render)(const Scene&, const Camera&, const RenderOptions&, const Frame&);
 };
 

@@ -21,7 +21,8 @@ struct Scene {
   std::vector<std::size_t> patch_offsets;
   std::vector<PatchRef> patches;
 
-  // The closed bodies that a face bounds: face_bodies[face_body_offsets[face]] .. ; outward: +1 where Su x Sv points out.
+  // The closed bodies that a face bounds: face_bodies[face_body_offsets[face]] .. ; outward: +1 where Su x Sv points
+  // out.
   struct BodyUse {
     int32_t body;
     int8_t outward;

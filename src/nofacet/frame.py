@@ -35,8 +35,8 @@ class Frame:
     color (h, w, 4) float32, linear RGBA, alpha premultiplied, averaged over the pixel.
     coverage (h, w) float32, the part of the pixel's area that the model covers.
     depth (h, w) float64, distance from the eye plane, model units; +inf on background.
-    face (h, w) int32, index of the face; -1 on background.
-    uv (h, w, 2) float64, OpenCascade's parameters on that face.
+    face (h, w) int32, index of the face; -1 on background, -2 - k on the caps of section plane k.
+    uv (h, w, 2) float64, OpenCascade's parameters on that face; NaN on caps.
     position (h, w, 3) float64, world point, from depth and camera; NaN on background.
     normal (h, w, 3) float32, unit, world, turned towards the eye.
 

@@ -124,6 +124,5 @@ def check_request(
     if (shadows or reflectance) and not _native.casts_secondary_rays(method):
         able = ", ".join(name for name in methods() if _native.casts_secondary_rays(name))
         raise ValueError(f"method {method!r} casts neither shadows nor mirror images; choose {able}")
-    if sections and not _native.draws_sections(method):
-        able = ", ".join(name for name in methods() if _native.draws_sections(name))
-        raise ValueError(f"method {method!r} draws no section planes; choose {able}")
+    if sections and (shadows or reflectance):
+        raise ValueError("section planes cut neither shadows nor mirror images; leave out one or the other")

@@ -48,7 +48,7 @@ def uncapped_warnings(model: Model, faces: Sequence[int]) -> list[str]:
     lines = []
     for number in np.unique(of_face[list(faces)]).tolist():
         own = model.body_face[model.body_offsets[number] : model.body_offsets[number + 1]] if number >= 0 else faces
-        lines.append(f"{_naming(model, list(own))} close no volume: the section plane cuts them open, without a cap")
+        lines.append(f"{_naming(model, list(own))}: not a closed volume, so section planes show no cap there")
     return lines
 
 

@@ -86,6 +86,10 @@ RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, con
     stats.unresolved += painter->clipper().unresolved();
     if (const Clipper* secondary = painter->shader().clipper()) stats.unresolved += secondary->unresolved();
   }
+  for (std::size_t face = 0; face < scene.model.face_count && !options.sections.empty(); ++face) {
+    const auto cut = [&](const auto& painter) { return painter->sections()->uncapped()[face] != 0; };
+    if (std::any_of(painters.begin(), painters.end(), cut)) stats.uncapped_faces.push_back(int32_t(face));
+  }
   watch.lap(stats.trace_seconds);
 
   if (options.edges && frame.color && frame.depth) {

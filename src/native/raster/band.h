@@ -27,8 +27,8 @@ class BandPainter {
   BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, FramePatches& patches,
               Sections* sections, int thread, const Frame& frame);
 
-  // Draws the rows [first_row, end_row), a band of kBandRows or the last one. `patches`: indices of those whose y range may meet them, in a fixed order,
-  // best nearest first.
+  // Draws the rows [first_row, end_row), a band of kBandRows or the last one. `patches`: indices of those whose y range
+  // may meet them, in a fixed order, best nearest first.
   void paint(int first_row, int end_row, const std::vector<int32_t>& patches);
   const BandTimes& times() const { return times_; }
 

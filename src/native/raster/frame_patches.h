@@ -13,9 +13,9 @@ namespace nofacet {
 struct PlacedPatch {
   int32_t face;
   const Scene::PatchRef* patch;
-  Interval x, y;    // pixels
-  Interval key;     // depth key
-  bool before_eye;  // all of it; else the bounds are infinite
+  Interval x, y;     // pixels
+  Interval key;      // depth key
+  bool before_eye;   // all of it; else the bounds are infinite
   bool cut = false;  // a section plane may run through it
 };
 

@@ -92,8 +92,8 @@ void SectionCuts::split(const Piece& piece, const Span& span, std::vector<Span>&
   const auto before = [](const Crossing& p, const Crossing& q) {
     return std::tie(p.face, p.patch, p.plane) < std::tie(q.face, q.patch, q.plane);
   };
-  const auto [first, last] =
-      std::equal_range(crossings_.begin(), crossings_.end(), Crossing{piece.face, piece.patch, span.plane, 0, 0}, before);
+  const auto [first, last] = std::equal_range(crossings_.begin(), crossings_.end(),
+                                              Crossing{piece.face, piece.patch, span.plane, 0, 0}, before);
   const auto inside = [](double c) { return c >= -kBorderRoom && c <= 1.0 + kBorderRoom; };
   for (auto crossing = first; crossing != last; ++crossing) {
     double a = (crossing->s - piece.s0) / (piece.s1 - piece.s0), b = (crossing->t - piece.t0) / (piece.t1 - piece.t0);

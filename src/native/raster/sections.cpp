@@ -7,62 +7,9 @@
 namespace nofacet {
 namespace {
 
-// Of the model's size: how far decisions are taken off the plane.
-constexpr double kShift = 1e-11;
-// Of the coordinates themselves, for models far from the origin.
-constexpr double kRoundingShift = 64.0 * std::numeric_limits<double>::epsilon();
-// A plane is edge-on if its slope against the line of sight is smaller.
+// A plane is edge-on if its slope against the line of sight, or its distance from the eye over the model's size, is
+// smaller.
 constexpr double kEdgeOn = 1e-12;
-
-// Distances that decisions are taken off the plane: one more step for each plane before it, so that of planes given
-// twice one has the cap.
-double shift_of(const Scene& scene, const SectionPlane& section, int index) {
-  Interval box[3] = {Interval::empty(), Interval::empty(), Interval::empty()};
-  const Model& model = scene.model;
-  for (std::size_t face = 0; face < model.face_count; ++face) {
-    const double* placement = model.placements + 16 * std::size_t(model.face_placement[face]);
-    const int32_t d = model.face_definition[face];
-    for (std::size_t k = scene.patch_offsets[d]; k < scene.patch_offsets[d + 1]; ++k) {
-      const PatchGroup& group = model.groups[scene.patches[k].group];
-      const std::size_t n = group.degree_u, m = group.degree_v, size = 4 * (n + 1) * (m + 1);
-      const double* net = group.control_points + size * scene.patches[k].index;
-      for (const std::size_t corner : {std::size_t(0), m, n * (m + 1), n * (m + 1) + m}) {
-        const double* p = net + 4 * corner;
-        for (int r = 0; r < 3; ++r) {
-          box[r].include(Camera::dot(placement + 4 * r, p) / p[3] + placement[4 * r + 3]);
-        }
-      }
-    }
-  }
-  double size = 0.0, magnitude = 0.0;
-  for (int r = 0; r < 3; ++r) {
-    size = std::hypot(size, box[r].width());
-    magnitude = std::max({magnitude, box[r].magnitude(), std::fabs(section.origin[r])});
-  }
-  return (1 + index) * (kShift * size + kRoundingShift * magnitude);
-}
-
-// The plane's distance, plus `shift`, as a form in (X, Y, W, Z).
-void set_form(const Camera& camera, const SectionPlane& section, double shift, double form[4]) {
-  const double right = Camera::dot(section.normal, camera.right), up = Camera::dot(section.normal, camera.up);
-  const double forward = Camera::dot(section.normal, camera.forward);
-  const double from_plane[3] = {camera.eye[0] - section.origin[0], camera.eye[1] - section.origin[1],
-                                camera.eye[2] - section.origin[2]};
-  const double eye = Camera::dot(section.normal, from_plane) + shift;
-  form[kX] = right / camera.scale;
-  form[kY] = -up / camera.scale;
-  form[kW] = (0.5 * camera.height * up - 0.5 * camera.width * right) / camera.scale;
-  form[kW] += camera.perspective ? forward : eye;
-  form[kZ] = camera.perspective ? -eye : forward;
-}
-
-double value_of(const double form[4], const double point[4]) {
-  return form[kX] * point[kX] + form[kY] * point[kY] + form[kW] * point[kW] + form[kZ] * point[kZ];
-}
-
-double value_of(const double form[4], double x, double y, double key) {
-  return form[kX] * x + form[kY] * y + form[kW] + form[kZ] * key;
-}
 
 }  // namespace
 
@@ -70,20 +17,18 @@ Sections::Sections(const Scene& scene, const Camera& camera, const ScanPlanes& p
                    const std::vector<SectionPlane>& sections, int threads)
     : camera_(camera), body_count_(scene.model.body_count), reports_(threads) {
   for (Report& report : reports_) report.uncapped.assign(scene.model.face_count, 0);
+  const double size = model_size(scene), shift = section_shift(scene, sections);
   for (const SectionPlane& section : sections) {
     SectionView& view = views_.emplace_back();
-    const double shift = shift_of(scene, section, int(views_.size()) - 1);
-    double plane[4];
-    set_form(camera, section, 0.0, plane);
-    set_form(camera, section, shift, view.inner);
-    set_form(camera, section, -shift, view.outer);
-    const double steepness = plane[kZ];  // orthographic: of the plane against the ray; perspective: the eye's distance
-    view.key_plane = {-plane[kW] / steepness, -plane[kX] / steepness, -plane[kY] / steepness, 0.0};
+    static_cast<SectionForm&>(view) = SectionForm(camera, section, shift * double(views_.size()));
+    const double steepness =
+        view.plane[kZ];  // orthographic: against the line of sight; perspective: the eye's distance
+    view.key_plane = {-view.plane[kW] / steepness, -view.plane[kX] / steepness, -view.plane[kY] / steepness, 0.0};
     view.upright = steepness > 0;
-    view.edge_on = !(std::fabs(steepness) > kEdgeOn * (camera.perspective ? shift / kShift : 1.0));
+    view.edge_on = !(std::fabs(steepness) > kEdgeOn * (camera.perspective ? size : 1.0));
     std::copy_n(section.normal, 3, view.side.normal);
     // Decisions are taken on the shifted plane, so that is the one that the side view shows.
-    for (int c = 0; c < 3; ++c) view.side.origin[c] = section.origin[c] - shift * section.normal[c];
+    for (int c = 0; c < 3; ++c) view.side.origin[c] = section.origin[c] - view.shift * section.normal[c];
     view.side.picture_width = camera.width;
     view.side.near_right = view.key_plane.by_x < 0;
     view.camera = camera;
@@ -92,8 +37,7 @@ Sections::Sections(const Scene& scene, const Camera& camera, const ScanPlanes& p
     view.patches = std::make_unique<FramePatches>(scene, view.camera, planes, threads);
     const std::vector<PlacedPatch>& patches = view.patches->patches();
     view.bands = sort_into_bands(patches, camera.height);
-    view.whole = std::all_of(patches.begin(), patches.end(),
-                             [](const PlacedPatch& patch) { return patch.before_eye; });
+    view.whole = std::all_of(patches.begin(), patches.end(), [](const PlacedPatch& patch) { return patch.before_eye; });
   }
   add_caps(scene);
 }
@@ -134,7 +78,8 @@ Sections::Side Sections::side(const Net& net) const {
   Side side = Side::kept;
   for (const SectionView& view : views_) {
     Interval range = Interval::empty();
-    for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) range.include(value_of(view.inner, p));
+    for (const double *p = net.points, *end = p + net.size(); p != end; p += 4)
+      range.include(SectionForm::value(view.inner, p));
     if (range.lo > 0) return Side::removed;
     if (range.hi > 0) side = Side::cut;
   }
@@ -143,13 +88,14 @@ Sections::Side Sections::side(const Net& net) const {
 
 bool Sections::removes(const double point[4]) const {
   return std::any_of(views_.begin(), views_.end(),
-                     [&](const SectionView& view) { return value_of(view.inner, point) > 0; });
+                     [&](const SectionView& view) { return SectionForm::value(view.inner, point) > 0; });
 }
 
 Interval Sections::kept_part(const double p[3], const double q[3]) const {
   Interval part{0.0, 1.0};
   for (const SectionView& view : views_) {
-    const double from = value_of(view.outer, p[0], p[1], p[2]), to = value_of(view.outer, q[0], q[1], q[2]);
+    const double from = SectionForm::value(view.outer, p[0], p[1], p[2]),
+                 to = SectionForm::value(view.outer, q[0], q[1], q[2]);
     if (from > 0 && to > 0) return {1.0, 0.0};
     if (from > 0) part.lo = std::max(part.lo, from / (from - to));
     if (to > 0) part.hi = std::min(part.hi, from / (from - to));
@@ -162,7 +108,8 @@ Interval Sections::kept_stretch(std::size_t view, Interval x, double y) const {
   const auto key = [&](double at) { return -(own[kX] * at + own[kY] * y + own[kW]) / own[kZ]; };
   for (std::size_t k = 0; k < views_.size(); ++k) {
     if (k == view) continue;
-    const double from = value_of(views_[k].inner, x.lo, y, key(x.lo)), to = value_of(views_[k].inner, x.hi, y, key(x.hi));
+    const double from = SectionForm::value(views_[k].inner, x.lo, y, key(x.lo)),
+                 to = SectionForm::value(views_[k].inner, x.hi, y, key(x.hi));
     if (from > 0 && to > 0) return Interval::empty();
     const double end = x.lo + from / (from - to) * x.width();
     if (from > 0) x.lo = end;

@@ -5,9 +5,6 @@
 // (Camera::side): there the section plane is a vertical line, scan planes are horizontals, and the key is the picture's
 // x. Patches are subdivided until certified, cut by scan planes and trimmed as in any view, so every crossing is found,
 // once, between two points of opposite distances.
-//
-// Faces may lie in a section plane, or end on it, but for rounding. Decisions are therefore taken on a plane moved
-// into what is kept, by far more than rounding and far less than anything visible; values are those of the plane itself.
 #pragma once
 #include <deque>
 #include <memory>
@@ -19,17 +16,14 @@
 namespace nofacet {
 
 // One section plane.
-struct SectionView {
-  // Of points (X, Y, W, Z): distance from the plane times a positive weight. `inner` decides; `outer`, moved the other
-  // way, lets what lies in the plane pass for kept.
-  double inner[4], outer[4];
+struct SectionView : SectionForm {
   KeyPlane key_plane;  // of the plane itself
   bool edge_on;        // has no area on the screen
-  // Whether a surface whose Su x Sv points out of a body is entered, along the growing x, where its Jacobian in the side
-  // view is positive; else where it is negative.
+  // Whether a surface whose Su x Sv points out of a body is entered, along the growing x, where its Jacobian in the
+  // side view is positive; else where it is negative.
   bool upright;
   SidePlane side;
-  Camera camera;  // the side view
+  Camera camera;                            // the side view
   std::unique_ptr<FramePatches> patches;    // that the plane may cut
   std::vector<std::vector<int32_t>> bands;  // of them
   bool whole;  // none of these patches reaches behind the eye: bodies are closed along every horizontal
@@ -42,8 +36,8 @@ class Sections {
  public:
   enum class Side : unsigned char { kept, cut, removed };
 
-  Sections(const Scene& scene, const Camera& camera, const ScanPlanes& planes, const std::vector<SectionPlane>& sections,
-           int threads);
+  Sections(const Scene& scene, const Camera& camera, const ScanPlanes& planes,
+           const std::vector<SectionPlane>& sections, int threads);
   Sections(const Sections&) = delete;
 
   const Camera& camera() const { return camera_; }
@@ -55,8 +49,8 @@ class Sections {
   // The part of the straight line from p to q, as shares of its length, that no plane removes but for rounding; empty
   // (lo >= hi) if there is none. p, q: x, y and key.
   Interval kept_part(const double p[3], const double q[3]) const;
-  // What of the stretch x of the scan plane y, on the plane of views()[view], the other planes keep; empty (lo >= hi) if
-  // nothing is.
+  // What of the stretch x of the scan plane y, on the plane of views()[view], the other planes keep; empty (lo >= hi)
+  // if nothing is.
   Interval kept_stretch(std::size_t view, Interval x, double y) const;
   // A body's cap in views()[view].
   const Piece& cap(std::size_t view, int32_t body) const { return caps_[view * body_count_ + body]; }

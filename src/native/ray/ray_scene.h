@@ -22,7 +22,7 @@ class RayScene {
   bool transparent = false;  // whether any patch is of a face that lets light through
 
   bool lets_light_through(const RayPatch& patch) const {
-    return scene_.model.face_color[4 * std::size_t(patch.face) + 3] < 1.0f;
+    return scene_.color(patch.face)[3] < 1.0f;
   }
 
  private:

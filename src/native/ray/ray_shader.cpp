@@ -25,7 +25,7 @@ void RayShader::normal(const RayHit& hit, const double direction[3], double norm
 
 void RayShader::add(const RayHit& hit, const double point[3], const double direction[3], double transmitted,
                     double rgba[4], int bounce) {
-  const float* color = scene_.model.face_color + 4 * std::size_t(hit.patch->face);
+  const float* color = scene_.color(hit.patch->face);
   const double opacity = std::min(1.0f, color[3]) * transmitted;
   const double towards_viewer[3] = {-direction[0], -direction[1], -direction[2]};
   double n[3];

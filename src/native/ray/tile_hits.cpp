@@ -34,14 +34,23 @@ void TileHits::add(const RayPatch& patch, const Region* region, const SolvedRays
     if (region && !region->contains(ref.u.face_from_patch(solved.s_in[k]), ref.v.face_from_patch(solved.t_in[k]))) {
       continue;
     }
-    if (veil) {
-      veils_.push_back({ray, hit});
-      continue;
-    }
-    hits_[ray] = hit;
-    farthest_[ray] = hit.depth + scene_.tie;
-    changed_ = true;
+    keep(ray, hit, veil);
   }
+}
+
+void TileHits::show(int ray, const RayHit& hit) {
+  const bool veil = scene_.transparent && scene_.lets_light_through(*hit.patch);
+  if (veil ? hit.depth <= farthest_[ray] : shown_before(hit, hits_[ray])) keep(ray, hit, veil);
+}
+
+void TileHits::keep(int ray, const RayHit& hit, bool veil) {
+  if (veil) {
+    veils_.push_back({ray, hit});
+    return;
+  }
+  hits_[ray] = hit;
+  farthest_[ray] = hit.depth + scene_.tie;
+  changed_ = true;
 }
 
 void TileHits::end_patch() {

@@ -43,8 +43,12 @@ class TileHits final : public HitSink {
   bool hidden(double nearest) const override { return nearest > farthest_of_all_; }
   const double* farthest() const override { return farthest_.data(); }
   void add(const RayPatch& patch, const Region* region, const SolvedRays& solved) override;
+  // Takes a hit that is inside its region.
+  void show(int ray, const RayHit& hit);
 
  private:
+  void keep(int ray, const RayHit& hit, bool veil);
+
   const RayScene& scene_;
   std::vector<double> farthest_;  // depth of the opaque hit, and the tie tolerance more
   std::vector<RayHit> hits_;

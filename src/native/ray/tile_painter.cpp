@@ -40,12 +40,18 @@ RayGrid TilePainter::trace(const PixelRect& pixels, int samples, bool normals,
                      kSampleShiftX,
                      kSampleShiftY};
   hits_.reset(grid.columns * grid.rows);
+  if (sections_) sections_->reset();
   clipper_.begin(grid, normals ? &camera_ : nullptr);
   for (const RayPatch* patch : patches) {
+    if (sections_) {
+      clipper_.trace(*patch, {0, grid.columns, 0, grid.rows}, *sections_);
+      continue;
+    }
     if (hits_.hidden(patch->nearest)) continue;
     clipper_.trace(*patch, {0, grid.columns, 0, grid.rows}, hits_);
     hits_.end_patch();
   }
+  if (sections_) sections_->resolve(grid, hits_);
   hits_.sort_veils();
   return grid;
 }
@@ -88,7 +94,7 @@ void TilePainter::write_background(std::size_t pixel) {
 
 void TilePainter::write_hit(std::size_t pixel, const RayHit& hit, const double eye_direction[3]) {
   if (frame_.depth) frame_.depth[pixel] = hit.depth;
-  if (frame_.face) frame_.face[pixel] = hit.patch->face;
+  if (frame_.face) frame_.face[pixel] = scene_.face_number(hit.patch->face);
   if (frame_.uv) {
     frame_.uv[2 * pixel] = hit.patch->patch->u.face_from_patch(hit.s);
     frame_.uv[2 * pixel + 1] = hit.patch->patch->v.face_from_patch(hit.t);
@@ -142,7 +148,7 @@ void TilePainter::write_color(const PixelRect& tile, const RayGrid& grid, int sa
         double transmitted = 1.0;
         for (; first_veil != veil; ++first_veil) {
           add_color(first_veil->hit, x, y_ray, transmitted, sum);
-          transmitted *= 1.0 - scene_.model.face_color[4 * std::size_t(first_veil->hit.patch->face) + 3];
+          transmitted *= 1.0 - scene_.color(first_veil->hit.patch->face)[3];
         }
         if (opaque.patch) add_color(opaque, x, y_ray, transmitted, sum);
       }

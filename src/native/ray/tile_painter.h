@@ -1,5 +1,6 @@
 // One tile of the picture: rays to pixels.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "frame.h"
@@ -7,6 +8,7 @@
 #include "ray/clipper.h"
 #include "ray/ray_scene.h"
 #include "ray/ray_shader.h"
+#include "ray/section_hits.h"
 #include "ray/tile_hits.h"
 
 namespace nofacet {
@@ -28,13 +30,17 @@ class TilePainter {
         samples_(options.samples),
         frame_(frame),
         hits_(rays),
-        shader_(scene, camera, options, tree, rays.tie) {}
+        shader_(scene, camera, options, tree, rays.tie) {
+    if (!options.sections.empty()) sections_.emplace(scene, camera, rays, options.sections);
+  }
 
   // `patches`: those that may be seen in the tile, in a fixed order.
   void paint(const PixelRect& tile, const std::vector<const RayPatch*>& patches);
 
   const Clipper& clipper() const { return clipper_; }
   const RayShader& shader() const { return shader_; }
+  // Null without section planes.
+  const SectionHits* sections() const { return sections_ ? &*sections_ : nullptr; }
 
  private:
   static constexpr int kTileSide = 64;  // rays a side, at more samples
@@ -53,6 +59,7 @@ class TilePainter {
   int samples_;
   const Frame& frame_;
   TileHits hits_;
+  std::optional<SectionHits> sections_;
   RayShader shader_;
   Clipper clipper_;
 };

@@ -6,6 +6,7 @@ A body is a solid, a shell that is in no solid, or a face that is in no shell, w
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,27 +72,34 @@ def are_closed(stream: Stream, shapes: Index) -> NDArray[np.bool_]:
     """Whether the faces of each body's shape (B,) close a volume: every edge is used as often in one direction as in
     the other. Degenerate edges, and what is of internal or external orientation, bound nothing."""
     distinct, which = np.unique(shapes, return_inverse=True)
-    below = stream.children
-    owner, shape, location = np.arange(len(distinct)), distinct, np.zeros(len(distinct), np.intp)
-    orientation = np.zeros(len(distinct), np.uint8)
-    while (inner := stream.kinds[shape] < EDGE).any():
-        count = np.where(inner, np.diff(below.offsets)[shape], 1)
-        parent, k = expand_runs(np.where(inner, below.offsets[shape], 0), count)
-        outer = parent[inner[parent]]
-        k = k[inner[parent]]
-        keep = ~inner
-        owner = np.concatenate([owner[keep], owner[outer]])
-        location = np.concatenate([location[keep], stream.locations.compose_all(location[outer], below.location[k])])
-        orientation = np.concatenate([orientation[keep], composed(orientation[outer], below.orientation[k])])
-        shape = np.concatenate([shape[keep], below.shape[k]])
-        bounding = (orientation <= REVERSED) & (stream.kinds[shape] <= EDGE)
-        owner, shape, location, orientation = (column[bounding] for column in (owner, shape, location, orientation))
-    own = ~stream.edges.degenerated[shape]
-    owner, shape, location, orientation = (column[own] for column in (owner, shape, location, orientation))
-    _, edge = np.unique(np.stack([owner, shape, location], axis=1), axis=0, return_inverse=True)
-    edge = edge.ravel()
-    balance = np.bincount(edge, np.where(orientation == REVERSED, -1.0, 1.0))
+    owner, edge, location, orientation = _edge_uses(stream, distinct)
+    place = (owner * len(stream.kinds) + edge) * (location.max(initial=0) + 1) + location
+    _, place = np.unique(place, return_inverse=True)
+    balance = np.bincount(place, np.where(orientation == REVERSED, -1.0, 1.0))
     closed = np.bincount(owner, minlength=len(distinct)) > 0
-    closed[owner[balance[edge] != 0]] = False
+    closed[owner[balance[place] != 0]] = False
     result: NDArray[np.bool_] = closed[which.ravel()]
     return result
+
+
+def _edge_uses(stream: Stream, shapes: Index) -> tuple[Index, Index, Index, NDArray[Any]]:
+    """Every use of an edge that bounds something in the shapes (n,): the shape's place, the edge, its location in the
+    shape and its orientation."""
+    below = stream.children
+    owner, shape = np.arange(len(shapes)), shapes
+    location, orientation = np.zeros(len(shapes), np.intp), np.zeros(len(shapes), np.intp)
+    while (holds := stream.kinds[shape] < EDGE).any():
+        # each solid, shell, face and wire makes way for its children, an edge stays
+        count = np.where(holds, np.diff(below.offsets)[shape], 1)
+        parent, k = expand_runs(np.where(holds, below.offsets[shape], 0), count)
+        inner = np.flatnonzero(holds[parent])
+        k, outer = k[inner], parent[inner]
+        shapes, locations, orientations = shape[parent], location[parent], orientation[parent]
+        shapes[inner] = below.shape[k]
+        locations[inner] = stream.locations.compose_all(location[outer], below.location[k])
+        orientations[inner] = composed(orientation[outer], below.orientation[k])
+        bounds = np.flatnonzero((orientations <= REVERSED) & (stream.kinds[shapes] <= EDGE))
+        owner, shape = owner[parent[bounds]], shapes[bounds]
+        location, orientation = locations[bounds], orientations[bounds]
+    own = np.flatnonzero(~stream.edges.degenerated[shape])
+    return owner[own], shape[own], location[own], orientation[own]

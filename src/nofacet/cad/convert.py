@@ -256,7 +256,7 @@ def _assemble(source: str, stream: Stream, faces: PlacedFaces, conversion: _Conv
     )
 
 
-def _closed(stream: Stream, conversion: _Conversion, bodies: Bodies, definition: Index) -> NDArray[np.uint8]:
+def _closed(stream: Stream, conversion: _Conversion, bodies: Bodies, definition: NDArray[Any]) -> NDArray[np.uint8]:
     """Whether each body (B,) is closed, and all of its faces are drawn; definition: (N,), of the faces it uses."""
     closed = are_closed(stream, bodies.shape)
     body = np.repeat(np.arange(len(closed)), np.diff(bodies.offsets))
