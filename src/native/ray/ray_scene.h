@@ -21,9 +21,7 @@ class RayScene {
   double tie = 0.0;
   bool transparent = false;  // whether any patch is of a face that lets light through
 
-  bool lets_light_through(const RayPatch& patch) const {
-    return scene_.color(patch.face)[3] < 1.0f;
-  }
+  bool lets_light_through(const RayPatch& patch) const { return scene_.color(patch.face)[3] < 1.0f; }
 
  private:
   const Scene& scene_;
