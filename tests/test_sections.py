@@ -302,6 +302,12 @@ def test_two_solids_that_share_a_face() -> None:
     assert cut_area(model, Section((0, 0, 0.2), (0, 0, 1))) == pytest.approx(8, rel=3e-5)
 
 
+def test_combined_models_keep_their_bodies() -> None:
+    model = nofacet.combine(nofacet.load(SPHERE), nofacet.load(cq.Workplane("XY", origin=(12, 0, 0)).box(2, 2, 2)))
+    assert model.body_offsets.tolist() == [0, 1, 7] and model.body_face.tolist() == list(range(7))
+    assert cut_area(model, Section((0, 0, 0), (0, 0, 1))) == pytest.approx(25 * np.pi + 4, rel=3e-5)
+
+
 def test_edges_are_cut_off_too() -> None:
     model, section = box_model(10, 10, 10), Section((0, 0, 5), (0, 0, 1))
     camera = nofacet.Camera.fit(model, direction=(-1, -2, -1), resolution=RESOLUTION)
