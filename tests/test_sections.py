@@ -303,7 +303,8 @@ def test_two_solids_that_share_a_face() -> None:
 
 
 def test_combined_models_keep_their_bodies() -> None:
-    model = nofacet.combine(nofacet.load(SPHERE), nofacet.load(cq.Workplane("XY", origin=(12, 0, 0)).box(2, 2, 2)))
+    box = cq.Workplane("XY", origin=(12, 0, 0)).box(2, 2, 2)
+    model = nofacet.combine([nofacet.load(SPHERE), nofacet.load(box)])
     assert model.body_offsets.tolist() == [0, 1, 7] and model.body_face.tolist() == list(range(7))
     assert cut_area(model, Section((0, 0, 0), (0, 0, 1))) == pytest.approx(25 * np.pi + 4, rel=3e-5)
 
