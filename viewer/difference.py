@@ -38,8 +38,9 @@ def outline_difference(
     width, height = resolution
     exact, drawn = exact_borders(model, camera, resolution), mesh_borders(mesh, camera, resolution)
     rows, columns = match(exact[0], drawn[0]), match(exact[1], drawn[1])
-    (row, x_in_row, row_value), (column, y_in_column, column_value) = _strokes(rows), _strokes(columns)
-    x, y = np.concatenate([x_in_row, column]), np.concatenate([row, y_in_column])
+    (row, x_in_row, row_value), (column, up_column, column_value) = _strokes(rows), _strokes(columns)
+    # Columns are the rows of a camera turned by 90 degrees; along them x runs upwards.
+    x, y = np.concatenate([x_in_row, column]), np.concatenate([row, height - 1 - up_column])
     value = np.concatenate([row_value, column_value])
     order = np.argsort(np.abs(value), kind="stable")  # where strokes cross, the larger error shows
     order = order[((x >= 0) & (x < width) & (y >= 0) & (y < height))[order]]

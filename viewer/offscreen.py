@@ -82,7 +82,7 @@ def _offscreen_context() -> Iterator[moderngl.Context]:
     except Exception as error:  # moderngl and glcontext raise plain Exceptions
         reason = " ".join(str(error).split())
         raise nofacet.InputError(
-            f"cannot draw off screen: no OpenGL 3.3 through EGL here ({reason}); install a driver, such as Mesa's libegl1"
+            f"cannot draw off screen: no OpenGL 3.3 through EGL here ({reason}); install a driver, such as Mesa's"
         ) from None
     try:
         yield context

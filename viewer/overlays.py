@@ -45,7 +45,7 @@ def scale_of(overlays: frozenset[str], model: nofacet.Model, size: float) -> Col
 
 
 def face_colors(overlays: frozenset[str], model: nofacet.Model) -> NDArray[np.float32]:
-    """Linear RGBA (F, 4) of the model's faces: its own, or of their conversion error. Hidden faces, of alpha 0, stay so."""
+    """Linear RGBA (F, 4) of the model's faces: its own, or of their conversion error. Alpha 0 stays: hidden."""
     own = model.face_color
     if analysis_of(overlays) != "conversion-error":
         return own

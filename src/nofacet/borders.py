@@ -35,7 +35,7 @@ class Borders:
 
 def turned(camera: Camera, resolution: tuple[int, int]) -> tuple[Camera, tuple[int, int]]:
     """The camera turned by 90 degrees about its axis, whose rows are the columns of the first's picture: row k is
-    column k."""
+    column k, and x in it runs upwards."""
     width, height = resolution
     right, _, _ = camera.axes()
     up = (-float(right[0]), -float(right[1]), -float(right[2]))

@@ -13,7 +13,7 @@ uniform vec4 pane;
 out vec4 color;
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 const float PALE = 0.25;                        // of the picture's contrast
-const vec3 OTHER_FACE = vec3(0.55, 0.35, 0.02);
+const vec3 OTHER_FACE = vec3(0.80, 0.62, 0.25);
 void main() {
     vec2 at = (gl_FragCoord.xy - pane.xy) / pane.zw;
     vec2 from_top = vec2(at.x, 1.0 - at.y);

@@ -9,6 +9,7 @@ uniform sampler2D ramp;   // colours of the curvature scale, from -ramp_end to r
 uniform float ramp_end;
 in vec3 eye_position;
 in vec3 eye_normal;
+centroid in vec3 inner_normal;
 flat in int face_index;
 out vec4 color;  // linear, alpha premultiplied
 
@@ -23,10 +24,11 @@ float mean_curvature(vec3 normal) {
 
 void main() {
     vec4 face_color = color_of_face(face_index);
-    vec3 outward = normalize(eye_normal);
-    float curvature = mean_curvature(outward);
+    float curvature = mean_curvature(normalize(eye_normal));
     vec3 towards_eye = perspective ? -normalize(eye_position) : vec3(0.0, 0.0, -1.0);
-    vec3 normal = gl_FrontFacing ? outward : -outward;
+    vec3 normal = normalize(gl_FrontFacing ? inner_normal : -inner_normal);
+    // Near the outline interpolated normals point away from an eye that sees the triangle: at most edge-on, then.
+    normal = normalize(normal - min(0.0, dot(normal, towards_eye)) * towards_eye);
     float phase = zebra_phase(normal, towards_eye), width = fwidth(phase);
     if (face_color.a == 0.0) discard;
     vec3 rgb;
