@@ -177,8 +177,9 @@ class Painter:
             left, right = panes(state.view, size)
             framebuffer.scissor = left.width, 0, max(0, right.x - left.width), height
         elif state.view is View.WIPE:
-            first = max(0, min(_wipe_column(state, width), width) - WIPE_LINE)
-            framebuffer.scissor = first, 0, min(2 * WIPE_LINE, width - first), height
+            column = _wipe_column(state, width)
+            first, last = max(0, column - WIPE_LINE), min(width, column + WIPE_LINE)
+            framebuffer.scissor = first, 0, max(0, last - first), height
         else:
             return
         framebuffer.clear(DIVIDER_COLOR, DIVIDER_COLOR, DIVIDER_COLOR, 1.0)
@@ -211,7 +212,7 @@ def _shown_part(state: ViewState, pane: Pane) -> tuple[int, int, int, int]:
 
 
 def _wipe_column(state: ViewState, width: int) -> int:
-    return round(state.wipe * width)
+    return round(min(max(state.wipe, 0.0), 1.0) * width)
 
 
 def _diagonal(model: nofacet.Model) -> float:

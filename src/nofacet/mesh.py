@@ -13,7 +13,7 @@ class Mesh:
     """Triangles of every placed face, in world coordinates.
 
     points: (n, 3) float64, model units; every face has its own.
-    normals: (n, 3) float32, unit: the mean of the normals of the face's triangles at the point, weighted by area.
+    normals: (n, 3) float32, unit, out of the material: the surface's at the point, as OpenCascade's viewers have them.
     triangles: (t, 3) int32, indices into points, anticlockwise seen from outside.
     face: (t,) int32, index in the order of TopExp::MapShapes(shape, TopAbs_FACE), as in the Model of the same source.
     seconds: wall-clock time that OpenCascade's mesher took.
