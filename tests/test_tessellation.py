@@ -65,7 +65,7 @@ def test_relative_deflection_and_figures_of_a_mesh() -> None:
 def test_mesher_keeps_the_shape_for_the_next_setting() -> None:
     mesher = Mesher()
     source = cq.Workplane().sphere(1)
-    counts = []
+    counts: list[int] = []
     for deflection in (0.1, 0.001):
         mesher.start(source, nofacet.MeshSetting("test", deflection))
         assert mesher.busy

@@ -7,7 +7,7 @@ import numpy as np
 
 from .color_scale import ColorScale
 from .panes import Pane
-from .shaders import bind, program, set_uniforms
+from .programs import bind, program, set_uniforms
 from .sides import SidePicture, ramp_texture
 from .targets import SurfaceTarget
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 import nofacet
 
-from .mesh_layer import SHADINGS, FaceColors
+from .mesh_layer import FaceColors
+from .programs import bind, program, set_light, set_uniforms
 from .projection import project
-from .shaders import bind, program, set_light, set_uniforms
 from .targets import BACKGROUND_DEPTH
 
 
@@ -47,12 +47,12 @@ class ExactLayer:
         picture = self._context.texture(frame.resolution, 4, dtype="f4")
         framebuffer = self._context.framebuffer([picture])
         framebuffer.use()
-        target = program(self._context, "fullscreen.vert", "exact.frag")
+        target = program(self._context, "fullscreen.vert", "exact.frag", shading)
         origin = np.zeros(3)
         set_light(target, project(camera, frame.resolution, origin, (origin, origin)))
         slope = camera.extent_at_unit_depth() / frame.height
         eye_from_world = np.array(camera.axes())
-        set_uniforms(target, shading=SHADINGS[shading], slope=slope, eye_from_world=eye_from_world, ramp_end=ramp_end)
+        set_uniforms(target, slope=slope, eye_from_world=eye_from_world, ramp_end=ramp_end)
         textures = {
             "face_colors": colors.texture,
             "ramp": ramp,

@@ -8,8 +8,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from .programs import bind, program, set_uniforms
 from .projection import Projection
-from .shaders import bind, program, set_uniforms
 
 RULES = {"on surface": 0, "in front": 1, "faint behind": 2}
 

@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 import nofacet
 
+from .programs import bind, program, set_light, set_uniforms
 from .projection import Projection, project
-from .shaders import bind, program, set_light, set_uniforms
 from .targets import SurfaceTarget
 
 COLOR_ROW = 1024  # faces a row of the texture of their colours
-SHADINGS = {"lit": 0, "zebra": 1, "curvature": 2}
 
 
 class FaceColors:
@@ -52,14 +51,7 @@ class MeshLayer:
         self._middles = local[mesh.triangles].mean(axis=1)
         self._vertices = context.buffer(vertices.tobytes() or bytes(28))
         self._indices = context.buffer(reserve=max(12, 12 * len(mesh.triangles)), dynamic=True)
-        self._shaded = program(context, "mesh.vert", "mesh.frag")
-        self._surface = program(context, "mesh.vert", "surface.frag")
-        self._arrays = {
-            target: context.vertex_array(
-                target, [(self._vertices, "3f 3f 1i", "position", "normal", "face")], self._indices, skip_errors=True
-            )
-            for target in (self._shaded, self._surface)
-        }
+        self._arrays: dict[str, moderngl.VertexArray] = {}
 
     def projection(self, camera: nofacet.Camera, size: tuple[int, int]) -> Projection:
         """The camera's matrices for this mesh's own coordinates."""
@@ -70,16 +62,16 @@ class MeshLayer:
     ) -> None:
         """Draw into the framebuffer in use: linear RGBA, alpha premultiplied.
 
-        shading: of SHADINGS; "lit" shows the faces' colours, the others show all faces opaque. ramp, ramp_end: the
+        shading: "lit" shows the faces' colours, "zebra" and "curvature" show all faces opaque. ramp, ramp_end: the
         colours of curvatures from -ramp_end to ramp_end.
         """
         opaque, transparent = self._ordered(projection, colors, shading == "lit")
         self._indices.write(self.mesh.triangles[np.concatenate([opaque, transparent])].tobytes() or bytes(12))
-        self._prepare(self._shaded, projection)
-        set_light(self._shaded, projection)
-        set_uniforms(self._shaded, shading=SHADINGS[shading], ramp_end=ramp_end)
-        bind(self._shaded, face_colors=colors.texture, ramp=ramp)
-        array = self._arrays[self._shaded]
+        array = self._array("mesh.frag", shading)
+        self._prepare(array.program, projection)
+        set_light(array.program, projection)
+        set_uniforms(array.program, ramp_end=ramp_end)
+        bind(array.program, face_colors=colors.texture, ramp=ramp)
         self._context.enable_only(moderngl.DEPTH_TEST)
         array.render(vertices=3 * len(opaque))
         if len(transparent):
@@ -92,16 +84,29 @@ class MeshLayer:
 
     def draw_surface(self, projection: Projection, colors: FaceColors, target: SurfaceTarget) -> None:
         """Draw depth and face of the nearest triangle at every pixel's centre."""
-        self._indices.write(self.mesh.triangles.tobytes() or bytes(12))
+        shown = self.mesh.triangles[colors.alpha[self.mesh.face] > 0]
+        self._indices.write(shown.tobytes() or bytes(12))
         target.clear()
-        self._prepare(self._surface, projection)
-        bind(self._surface, face_colors=colors.texture)
+        array = self._array("surface.frag")
+        self._prepare(array.program, projection)
         self._context.enable_only(moderngl.DEPTH_TEST)
-        self._arrays[self._surface].render(vertices=3 * len(self.mesh.triangles))
+        array.render(vertices=3 * len(shown))
 
     def release(self) -> None:
-        for held in (*self._arrays.values(), self._vertices, self._indices, self._shaded, self._surface):
-            held.release()
+        for array in self._arrays.values():
+            array.program.release()
+            array.release()
+        self._vertices.release()
+        self._indices.release()
+
+    def _array(self, fragment: str, shading: str | None = None) -> moderngl.VertexArray:
+        """The mesh with the program that draws it so."""
+        key = shading or fragment
+        if key not in self._arrays:
+            vertices = [(self._vertices, "3f 3f 1i", "position", "normal", "face")]
+            target = program(self._context, "mesh.vert", fragment, shading)
+            self._arrays[key] = self._context.vertex_array(target, vertices, self._indices, skip_errors=True)
+        return self._arrays[key]
 
     def _prepare(self, target: moderngl.Program, projection: Projection) -> None:
         set_uniforms(target, clip_from_local=projection.clip_from_local, eye_from_local=projection.eye_from_local)
@@ -109,12 +114,12 @@ class MeshLayer:
     def _ordered(
         self, projection: Projection, colors: FaceColors, transparency: bool
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Triangles of opaque faces, and those of transparent ones from back to front."""
+        """Triangles of opaque faces, and those of transparent ones from back to front; hidden faces have alpha 0."""
         alpha = colors.alpha[self.mesh.face]
-        see_through = (alpha < 1) & transparency
-        chosen = np.flatnonzero(see_through & (alpha > 0))
+        opaque = alpha >= 1 if transparency else alpha > 0
+        chosen = np.flatnonzero(~opaque & (alpha > 0))
         depth = self._middles[chosen] @ projection.eye_from_local[2, :3].astype(np.float32)
-        return np.flatnonzero(~see_through), chosen[np.argsort(-depth, kind="stable")]
+        return np.flatnonzero(opaque), chosen[np.argsort(-depth, kind="stable")]
 
 
 def _bounds(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

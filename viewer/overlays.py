@@ -31,7 +31,7 @@ def analysis_of(overlays: frozenset[str]) -> str | None:
 
 
 def shading_of(overlays: frozenset[str]) -> str:
-    """Of mesh_layer.SHADINGS; faces in the colours of their conversion error are lit as any."""
+    """What MeshLayer.draw() calls it; faces in the colours of their conversion error are lit as any."""
     analysis = analysis_of(overlays)
     return "lit" if analysis in (None, "conversion-error") else str(analysis)
 

@@ -100,8 +100,8 @@ class Painter:
 
     @property
     def busy(self) -> bool:
-        """Whether lines that were asked for are still being made: paint again soon."""
-        return self._lines.busy
+        """Whether painting the same again will show more: lines that are still being made, smoother triangles."""
+        return self._lines.busy or self._drawn.busy
 
     def wait(self) -> None:
         """Until a further paint() shows all that the one before asked for."""

@@ -17,7 +17,8 @@ from .line_layer import DepthPicture
 from .line_overlays import LineOverlays
 from .mesh_layer import FaceColors, MeshLayer
 from .overlays import EXACT_LINES, LINE_STYLES, shading_of
-from .projection import Projection, pixel_size, project
+from .projection import Projection
+from .side_lines import SideLines
 from .targets import SAMPLES, ColorTarget, SurfaceTarget
 
 Size = tuple[int, int]
@@ -56,56 +57,12 @@ def ramp_texture(context: moderngl.Context, scale: ColorScale | None) -> moderng
     return texture
 
 
-class _Lines:
-    """The picture of a side's lines."""
-
-    def __init__(self, context: moderngl.Context, overlays: LineOverlays) -> None:
-        self._context = context
-        self._overlays = overlays
-        self._none = context.texture((1, 1), 4, np.zeros(4, np.float32), dtype="f4")
-        self._target: ColorTarget | None = None
-
-    def draw(
-        self, names: list[str], camera: nofacet.Camera, size: Size, surface: DepthPicture, off_surface: float
-    ) -> moderngl.Texture:
-        """Draw the overlays named. off_surface: how far what hides them may be off the surface, model units."""
-        if not names:
-            return self._none
-        if self._target is None or self._target.size != size:
-            self.release_target()
-            self._target = ColorTarget(self._context, size)
-        self._target.begin()
-        for name in names:
-            layer = self._overlays.layer(name, _smallest_pixel(camera, size))
-            if layer is None or not layer.count:
-                continue
-            projection = project(camera, size, layer.center, layer.bounds)
-            slack = pixel_size(camera, size, max(projection.depth_range[0], 0.0)) / 2 + off_surface
-            layer.draw(projection, size, LINE_STYLES[name], surface, slack)
-        self._target.finish()
-        return self._target.texture
-
-    def release_target(self) -> None:
-        if self._target:
-            self._target.release()
-        self._target = None
-
-    def release(self) -> None:
-        self.release_target()
-        self._none.release()
-
-
-def _smallest_pixel(camera: nofacet.Camera, size: Size) -> float:
-    """Size of a pixel at a tenth of the way to the focal point: what is nearer is seldom looked at."""
-    return pixel_size(camera, size, 0.1 * float(np.linalg.norm(np.subtract(camera.focal_point, camera.position))))
-
-
 class ExactSide:
     """The exact frame and the lines over it."""
 
     def __init__(self, context: moderngl.Context, overlays: LineOverlays) -> None:
         self._context = context
-        self._lines = _Lines(context, overlays)
+        self._lines = SideLines(context, overlays)
         self.layer: ExactLayer | None = None
         self._recolored: moderngl.Texture | None = None
         self._recolored_key: Any = None
@@ -127,9 +84,11 @@ class ExactSide:
             surfaces = self._recolor(layer, shading, palette)
         exact = layer.frame.resolution == size
         surfaces.filter = (moderngl.NEAREST, moderngl.NEAREST) if exact else (moderngl.LINEAR, moderngl.LINEAR)
-        shown = [name for name in EXACT_LINES if name in names and layer.depth]
-        surface = DepthPicture(layer.depth or layer.color, top_first=True)
-        return SidePicture(surfaces, True, self._lines.draw(shown, layer.frame.camera, size, surface, 0.0))
+        shown = [name for name in EXACT_LINES if name in names]
+        lines = self._lines.none
+        if shown and layer.depth:
+            lines = self._lines.draw(shown, layer.frame.camera, size, DepthPicture(layer.depth, top_first=True), 0.0)
+        return SidePicture(surfaces, True, lines)
 
     def release(self) -> None:
         self.set_frame(None, None)
@@ -154,11 +113,17 @@ class DrawnSide:
     def __init__(self, context: moderngl.Context, overlays: LineOverlays) -> None:
         self._context = context
         self._overlays = overlays
-        self._lines = _Lines(context, overlays)
+        self._lines = SideLines(context, overlays)
         self.layer: MeshLayer | None = None
-        self._color: ColorTarget | None = None
+        self._colors: dict[int, ColorTarget] = {}  # by samples a pixel
         self._surface: SurfaceTarget | None = None
         self._drawn_key: Any = None
+        self._refined = True
+
+    @property
+    def busy(self) -> bool:
+        """Whether the next picture, of the same camera, is better than the last."""
+        return self.layer is not None and not self._refined
 
     def set_mesh(self, mesh: nofacet.Mesh | None) -> None:
         if self.layer:
@@ -169,19 +134,22 @@ class DrawnSide:
     def picture(
         self, camera: nofacet.Camera, size: Size, names: frozenset[str], palette: Palette
     ) -> SidePicture | None:
-        """The side as the camera sees it, None without a mesh."""
+        """The side as the camera sees it, None without a mesh. A picture unlike the one before is drawn fast,
+        with one sample a pixel; asked for once more, it is drawn with SAMPLES."""
         if self.layer is None:
             return None
         key = camera, size, shading_of(names), palette
-        if self._color is None or self._drawn_key != key:
-            self._color = self._draw(self.layer.projection(camera, size), size, shading_of(names), palette)
-            self._drawn_key = key
+        samples = SAMPLES if self._drawn_key == key else 0
+        if not (samples and self._refined):
+            self._draw(self.layer.projection(camera, size), size, shading_of(names), palette, samples)
+        self._drawn_key, self._refined = key, bool(samples)
+        color = self._colors[samples].texture
         shown = [name for name in LINE_STYLES if name in names]
-        lines = self._lines.draw([], camera, size, DepthPicture(self._color.texture, False), 0.0)
+        lines = self._lines.none
         if shown:
             depth = DepthPicture(self.surface(camera, size, palette).depth, top_first=False)
             lines = self._lines.draw(shown, camera, size, depth, self.layer.mesh.deflection)
-        return SidePicture(self._color.texture, False, lines)
+        return SidePicture(color, False, lines)
 
     def surface(self, camera: nofacet.Camera, size: Size, palette: Palette) -> SurfaceTarget:
         """Depth and face at the pixel centres. Needs a mesh."""
@@ -196,18 +164,17 @@ class DrawnSide:
     def release(self) -> None:
         self.set_mesh(None)
         self._lines.release()
-        for target in (self._color, self._surface):
+        for target in (*self._colors.values(), self._surface):
             if target:
                 target.release()
 
-    def _draw(self, projection: Projection, size: Size, shading: str, palette: Palette) -> ColorTarget:
+    def _draw(self, projection: Projection, size: Size, shading: str, palette: Palette, samples: int) -> None:
         assert self.layer
-        target = self._color
+        target = self._colors.get(samples)
         if target is None or target.size != size:
             if target:
                 target.release()
-            target = ColorTarget(self._context, size, SAMPLES)
+            target = self._colors[samples] = ColorTarget(self._context, size, samples)
         target.begin()
         self.layer.draw(projection, palette.faces, shading, palette.ramp, palette.end)
         target.finish()
-        return target

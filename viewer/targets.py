@@ -33,6 +33,10 @@ class ColorTarget:
         self._drawn.use()
         self._drawn.clear()
 
+    def use(self) -> None:
+        """Draw into it from now on, over what is there."""
+        self._drawn.use()
+
     def finish(self) -> None:
         """Average the samples into `texture`."""
         if self._drawn is not self._resolved:

@@ -5,7 +5,6 @@
 #include "zebra.glsl"
 #include "faces.glsl"
 const int LIT = 0, ZEBRA = 1, CURVATURE = 2;
-uniform int shading;
 uniform bool perspective;
 uniform float slope;              // model units at unit depth (perspective) a pixel
 uniform mat3 eye_from_world;
@@ -65,12 +64,12 @@ void main() {
     }
     vec3 normal = eye_from_world * texelFetch(frame_normal, pixel, 0).xyz, towards_eye = towards_eye_at(pixel, size);
     vec3 rgb;
-    if (shading == ZEBRA) {
+    if (SHADING == ZEBRA) {
         float phase = phase_at(pixel, size);
         rgb = zebra_color(zebra_white(phase, phase_width(pixel, size, face, phase)));
     } else {
         vec3 base = color_of_face(face).rgb;
-        if (shading == CURVATURE) {
+        if (SHADING == CURVATURE) {
             float curvature = texelFetch(frame_curvature, pixel, 0).r;
             base = isnan(curvature) ? vec3(0.5) : texture(ramp, vec2(0.5 + 0.5 * curvature / ramp_end, 0.5)).rgb;
         }

@@ -3,7 +3,6 @@
 #include "zebra.glsl"
 #include "faces.glsl"
 const int LIT = 0, ZEBRA = 1, CURVATURE = 2;
-uniform int shading;
 uniform bool perspective;
 uniform sampler2D ramp;   // colours of the curvature scale, from -ramp_end to ramp_end
 uniform float ramp_end;
@@ -24,21 +23,17 @@ float mean_curvature(vec3 normal) {
 
 void main() {
     vec4 face_color = color_of_face(face_index);
-    float curvature = mean_curvature(normalize(eye_normal));
     vec3 towards_eye = perspective ? -normalize(eye_position) : vec3(0.0, 0.0, -1.0);
     vec3 normal = normalize(gl_FrontFacing ? inner_normal : -inner_normal);
     // Near the outline interpolated normals point away from an eye that sees the triangle: at most edge-on, then.
     normal = normalize(normal - min(0.0, dot(normal, towards_eye)) * towards_eye);
-    float phase = zebra_phase(normal, towards_eye), width = fwidth(phase);
-    if (face_color.a == 0.0) discard;
-    vec3 rgb;
-    if (shading == ZEBRA) {
-        rgb = zebra_color(zebra_white(phase, width));
+    if (SHADING == ZEBRA) {
+        float phase = zebra_phase(normal, towards_eye);
+        color = vec4(zebra_color(zebra_white(phase, fwidth(phase))), 1.0);
+    } else if (SHADING == CURVATURE) {
+        float curvature = mean_curvature(normalize(eye_normal));
+        color = vec4(lit(texture(ramp, vec2(0.5 + 0.5 * curvature / ramp_end, 0.5)).rgb, normal, towards_eye), 1.0);
     } else {
-        vec3 base = face_color.rgb;
-        if (shading == CURVATURE) base = texture(ramp, vec2(0.5 + 0.5 * curvature / ramp_end, 0.5)).rgb;
-        rgb = lit(base, normal, towards_eye);
+        color = vec4(lit(face_color.rgb, normal, towards_eye) * face_color.a, face_color.a);
     }
-    float alpha = shading == LIT ? face_color.a : 1.0;
-    color = vec4(rgb * alpha, alpha);
 }

@@ -16,9 +16,15 @@ from .projection import Projection
 FOLDER = Path(__file__).parent / "shaders"
 
 
-def program(context: moderngl.Context, vertex: str, fragment: str) -> moderngl.Program:
-    """Compile two files of the folder; `#include "FILE"` takes in another one of it."""
-    return context.program(vertex_shader=_source(vertex), fragment_shader=_source(fragment))
+def program(context: moderngl.Context, vertex: str, fragment: str, shading: str | None = None) -> moderngl.Program:
+    """Compile two files of the folder; `#include "FILE"` takes in another one of it.
+
+    shading: "lit", "zebra" or "curvature", for fragments that can do each: SHADING stands for it there.
+    """
+    text = _source(fragment)
+    if shading:
+        text = text.replace("#version 330 core\n", f"#version 330 core\n#define SHADING {shading.upper()}\n", 1)
+    return context.program(vertex_shader=_source(vertex), fragment_shader=text)
 
 
 def _source(name: str) -> str:
