@@ -39,7 +39,7 @@ PICTURES = {
     "view_difference_ctc_02": Picture(CTC_02, View.DIFFERENCE, FROM_CTC),
     "view_edges_ctc_02": Picture(CTC_02, View.SIDE_BY_SIDE, FROM_CTC, overlays=("edges",)),
     "view_zebra": Picture(BOTTLE, View.SIDE_BY_SIDE, FROM_BOTTLE, overlays=("zebra",)),
-    "view_curvature": Picture(BOTTLE, View.SIDE_BY_SIDE, FROM_BOTTLE, overlays=("curvature",)),
+    "view_curvature": Picture(FLANGE, View.WIPE, FROM_FLANGE, overlays=("curvature",)),
     "view_control_nets": Picture(TEAPOT, View.EXACT, FROM_TEAPOT, overlays=("control-nets", "patch-borders")),
     "view_patch_borders": Picture(FLANGE, View.SIDE_BY_SIDE, FROM_FLANGE, overlays=("patch-borders",)),
     "view_conversion_error": Picture(FLANGE, View.EXACT, FROM_FLANGE, overlays=("conversion-error",)),

@@ -43,9 +43,9 @@ class ColorScale:
 
     def ramp(self) -> NDArray[np.float32]:
         """Linear RGB (STEPS, 3) from low to high."""
-        ends = np.log((self.low, self.high)) if self.log else (self.low, self.high)
-        values = np.linspace(*ends, STEPS)
-        return self.color(np.exp(values) if self.log else values)
+        if self.log:
+            return self.color(np.geomspace(self.low, self.high, STEPS))
+        return self.color(np.linspace(self.low, self.high, STEPS))
 
     def ticks(self) -> list[tuple[float, str]]:
         """Places along the ramp, from 0 to 1, and what to write there."""

@@ -45,6 +45,7 @@ class Painter:
         self._palette_of: str | None = None
         self._difference: OutlineDifference | None = None
         self._error: moderngl.Texture | None = None
+        self._shows_drawn = False
 
     def set_model(self, model: nofacet.Model | None) -> None:
         """The model whose faces' colours both sides have; one that differs in colours only keeps its lines."""
@@ -101,7 +102,7 @@ class Painter:
     @property
     def busy(self) -> bool:
         """Whether painting the same again will show more: lines that are still being made, smoother triangles."""
-        return self._lines.busy or self._drawn.busy
+        return self._lines.busy or (self._shows_drawn and self._drawn.busy)
 
     def wait(self) -> None:
         """Until a further paint() shows all that the one before asked for."""
@@ -117,6 +118,9 @@ class Painter:
         """Draw the view into the framebuffer's lower left corner, `size` pixels of it, 8-bit sRGB."""
         shown = panes(state.view, size)
         pictures = [self._picture(pane, state, camera) for pane in shown]
+        self._shows_drawn = any(
+            picture is not None and pane.side is View.TESSELLATED for pane, picture in zip(shown, pictures, strict=True)
+        )
         framebuffer.use()
         framebuffer.viewport = 0, 0, *size
         framebuffer.scissor = 0, 0, *size
@@ -125,9 +129,8 @@ class Painter:
             self._paint_difference(state, camera, shown[0], pictures[0], framebuffer)
         else:
             for pane, picture in zip(shown, pictures, strict=True):
-                part = _shown_part(state, pane)
-                if picture and part[2] > 0:
-                    framebuffer.scissor = part
+                if picture:
+                    framebuffer.scissor = _shown_part(state, pane)
                     self._compositor.draw(picture, pane, state.background)
             self._divide(state, framebuffer, size)
         framebuffer.viewport = 0, 0, *size
@@ -141,7 +144,7 @@ class Painter:
             held.release()
 
     def _picture(self, pane: Pane, state: ViewState, camera: nofacet.Camera) -> SidePicture | None:
-        if self._model is None:
+        if self._model is None or _shown_part(state, pane)[2] == 0:
             return None
         palette = self._colors(state.overlays)
         if pane.side is View.EXACT:
