@@ -14,6 +14,11 @@ from .projection import project
 from .targets import BACKGROUND_DEPTH
 
 
+def recoloring(context: moderngl.Context, shading: str) -> moderngl.VertexArray:
+    """What draws frames in other colours, "lit", with "zebra" stripes or "curvature"; with its program."""
+    return context.vertex_array(program(context, "fullscreen.vert", "exact.frag", shading), [])
+
+
 class ExactLayer:
     """One frame's buffers as textures, row 0 at the top. Those that the frame lacks are None.
 
@@ -40,14 +45,16 @@ class ExactLayer:
         values = [self.face, self._normal, self._coverage]
         return all([*values, self._curvature] if shading == "curvature" else values)
 
-    def recolored(self, colors: FaceColors, shading: str, ramp: moderngl.Texture, ramp_end: float) -> moderngl.Texture:
-        """The frame in the faces' colours given, or with zebra stripes or curvature (see MeshLayer.draw): a new
-        texture, which the caller releases."""
+    def recolored(
+        self, shader: moderngl.VertexArray, colors: FaceColors, ramp: moderngl.Texture, ramp_end: float
+    ) -> moderngl.Texture:
+        """The frame as `shader`, of recoloring(), draws it (see MeshLayer.draw): a new texture, which the caller
+        releases."""
         frame, camera = self.frame, self.frame.camera
         picture = self._context.texture(frame.resolution, 4, dtype="f4")
         framebuffer = self._context.framebuffer([picture])
         framebuffer.use()
-        target = program(self._context, "fullscreen.vert", "exact.frag", shading)
+        target = shader.program
         origin = np.zeros(3)
         set_light(target, project(camera, frame.resolution, origin, (origin, origin)))
         slope = camera.extent_at_unit_depth() / frame.height
@@ -63,10 +70,8 @@ class ExactLayer:
         }
         bind(target, **{name: texture for name, texture in textures.items() if texture})
         self._context.enable_only(moderngl.NOTHING)
-        array = self._context.vertex_array(target, [])
-        array.render(moderngl.TRIANGLES, vertices=3)
-        for held in (array, framebuffer, target):
-            held.release()
+        shader.render(moderngl.TRIANGLES, vertices=3)
+        framebuffer.release()
         return picture
 
     def release(self) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import nofacet
 
 from .color_scale import ColorScale
-from .exact_layer import ExactLayer
+from .exact_layer import ExactLayer, recoloring
 from .line_layer import DepthPicture
 from .line_overlays import LineOverlays
 from .mesh_layer import FaceColors, MeshLayer
@@ -66,6 +66,7 @@ class ExactSide:
         self.layer: ExactLayer | None = None
         self._recolored: moderngl.Texture | None = None
         self._recolored_key: Any = None
+        self._shaders: dict[str, moderngl.VertexArray] = {}
 
     def set_frame(self, frame: nofacet.Frame | None, curvature: NDArray[np.float32] | None) -> None:
         if self.layer:
@@ -95,13 +96,18 @@ class ExactSide:
         self._lines.release()
         if self._recolored:
             self._recolored.release()
+        for shader in self._shaders.values():
+            shader.program.release()
+            shader.release()
 
     def _recolor(self, layer: ExactLayer, shading: str, palette: Palette) -> moderngl.Texture:
         key = shading, palette
         if self._recolored is None or self._recolored_key != key:
             if self._recolored:
                 self._recolored.release()
-            self._recolored = layer.recolored(palette.faces, shading, palette.ramp, palette.end)
+            if shading not in self._shaders:
+                self._shaders[shading] = recoloring(self._context, shading)
+            self._recolored = layer.recolored(self._shaders[shading], palette.faces, palette.ramp, palette.end)
             self._recolored.repeat_x = self._recolored.repeat_y = False
             self._recolored_key = key
         return self._recolored
