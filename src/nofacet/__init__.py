@@ -7,17 +7,23 @@ from .errors import InputError
 from .evaluate import SurfacePoints, evaluate
 from .frame import Frame
 from .measure import Measurement, measure
+from .mesh import Mesh
+from .mesh_setting import MESH_SETTINGS, MeshSetting
 from .model import Model
 from .pick import Pick, pick
 from .render import methods, render
 from .section import Section
 from .show import show
+from .tessellation import tessellate
 
 __all__ = [
+    "MESH_SETTINGS",
     "Camera",
     "Frame",
     "InputError",
     "Measurement",
+    "Mesh",
+    "MeshSetting",
     "Model",
     "Pick",
     "Section",
@@ -30,4 +36,5 @@ __all__ = [
     "pick",
     "render",
     "show",
+    "tessellate",
 ]

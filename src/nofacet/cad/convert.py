@@ -185,7 +185,7 @@ class _Conversion:
             if not number:
                 self.problems[definition] = "it has neither a surface nor triangles"
                 continue
-            nodes, triangles = self.stream.triangulations[number]
+            nodes, triangles, _ = self.stream.triangulations[number]
             a, b, c = (nodes[triangles[:, k]] for k in range(3))
             points = np.ones((len(triangles), 2, 2, 4))
             points[:, 0, 0, :3], points[:, 1, 0, :3], points[:, 0, 1, :3], points[:, 1, 1, :3] = a, b, c, b + c - a

@@ -88,7 +88,7 @@ class Stream:
     """Everything BinTools wrote. Shapes, curves, surfaces and triangulations count from 1.
 
     kinds: TopAbs_ShapeEnum by shape index; root: (orientation, shape, location) of the shape itself.
-    triangulations: (nodes (n, 3), triangles (m, 3)).
+    triangulations: (nodes (n, 3), triangles (m, 3), normals (n, 3) or (0, 3) where there are none).
     """
 
     locations: Locations
@@ -201,10 +201,12 @@ def _locations(data: bytes, at: int, count: int) -> tuple[Locations, int]:
     return Locations(chains, matrices), at
 
 
-def _triangulation(data: bytes, at: int) -> tuple[tuple[Array, NDArray[np.int32]], int]:
+def _triangulation(data: bytes, at: int) -> tuple[tuple[Array, NDArray[np.int32], NDArray[np.float32]], int]:
     nodes, triangles, has_uv, has_normals = _SIZES.unpack_from(data, at)
     at += 18  # sizes, flags, deflection
     points = np.frombuffer(data, "<f8", 3 * nodes, at).reshape(nodes, 3)
     at += 24 * nodes + (16 * nodes if has_uv else 0)
     corners = np.frombuffer(data, "<i4", 3 * triangles, at).reshape(triangles, 3) - 1
-    return (points, corners), at + 12 * triangles + (12 * nodes if has_normals else 0)
+    at += 12 * triangles
+    normals = np.frombuffer(data, "<f4", 3 * nodes if has_normals else 0, at).reshape(-1, 3)
+    return (points, corners, normals), at + normals.nbytes

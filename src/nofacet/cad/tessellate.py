@@ -13,33 +13,16 @@ from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepTools import BRepTools
 from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
 from OCP.Poly import Poly_Triangulation
+from OCP.StdPrs import StdPrs_ToolTriangulatedShape
 from OCP.TopAbs import TopAbs_FACE, TopAbs_Orientation
 from OCP.TopExp import TopExp
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
+from ..mesh import Mesh
+from ..mesh_setting import DEFAULT_ANGLE
 from . import stream
-
-DEFAULT_ANGLE = 0.5  # radians, BRepMesh_IncrementalMesh's own default
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """Triangles of every placed face, in world coordinates.
-
-    points: (n, 3) float64, model units; every face has its own.
-    normals: (n, 3) float32, unit: the mean of the normals of the face's triangles at the point, weighted by area.
-    triangles: (t, 3) int32, indices into points, anticlockwise seen from outside.
-    face: (t,) int32, index in the order of TopExp::MapShapes(shape, TopAbs_FACE).
-    seconds: wall-clock time that OpenCascade's mesher took.
-    """
-
-    points: NDArray[np.float64]
-    normals: NDArray[np.float32]
-    triangles: NDArray[np.int32]
-    face: NDArray[np.int32]
-    seconds: float
 
 
 def tessellate(
@@ -64,7 +47,7 @@ def tessellate(
     BRepTools.Clean_s(shape)
     start = time.perf_counter()
     BRepMesh_IncrementalMesh(shape, parameters)
-    return _collect(shape, time.perf_counter() - start)
+    return _collect(shape, time.perf_counter() - start, deflection)
 
 
 def box_sides(shape: TopoDS_Shape) -> tuple[float, float, float]:
@@ -96,27 +79,36 @@ def _face_meshes(shape: TopoDS_Shape) -> Iterator[_FaceMesh]:
         location = TopLoc_Location()
         triangulation = BRep_Tool.Triangulation_s(face, location)
         if triangulation is not None:
+            StdPrs_ToolTriangulatedShape.ComputeNormals_s(face, triangulation)
             backwards = face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
             yield _FaceMesh(index, triangulation, location, backwards)
 
 
-def _collect(shape: TopoDS_Shape, seconds: float) -> Mesh:
+def _collect(shape: TopoDS_Shape, seconds: float, deflection: float) -> Mesh:
     found = list(_face_meshes(shape))
-    points, triangles = [np.empty((0, 3))], [np.empty((0, 3), np.int32)]
+    points, normals, triangles = [np.empty((0, 3))], [np.empty((0, 3))], [np.empty((0, 3), np.int32)]
     count = 0
-    for one, (nodes, corners) in zip(found, _arrays([one.triangulation for one in found]), strict=True):
+    for one, (nodes, corners, own) in zip(found, _arrays([one.triangulation for one in found]), strict=True):
         rotation, move = _matrix(one.location)
         points.append(nodes @ rotation.T + move)
+        normals.append(own @ rotation.T * (-1 if one.backwards else 1))
         triangles.append(count + (corners[:, ::-1] if one.backwards ^ (np.linalg.det(rotation) < 0) else corners))
         count += len(nodes)
-    face = np.repeat(np.array([one.face for one in found], np.int32), [len(part) for part in triangles[1:]])
-    all_points, all_triangles = np.concatenate(points), np.concatenate(triangles).astype(np.int32)
-    return Mesh(all_points, _normals(all_points, all_triangles), all_triangles, face, seconds)
+    return Mesh(
+        np.concatenate(points),
+        _unit(np.concatenate(normals)),
+        np.concatenate(triangles).astype(np.int32),
+        np.repeat(np.array([one.face for one in found], np.int32), [len(part) for part in triangles[1:]]),
+        seconds,
+        deflection,
+    )
 
 
-def _arrays(triangulations: list[Poly_Triangulation]) -> list[tuple[NDArray[np.float64], NDArray[np.int32]]]:
-    """Nodes (n, 3) and corners (t, 3) of each. Asking for them one by one costs microseconds each; so they are put on
-    faces without a surface, whose binary form holds little else."""
+def _arrays(
+    triangulations: list[Poly_Triangulation],
+) -> list[tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float32]]]:
+    """Nodes (n, 3), corners (t, 3) and normals (n, 3) of each. Asking for them one by one costs microseconds each; so
+    they are put on faces without a surface, whose binary form holds little else."""
     if not triangulations:
         return []
     builder, compound = BRep_Builder(), TopoDS_Compound()
@@ -138,10 +130,6 @@ def _matrix(location: TopLoc_Location) -> tuple[NDArray[np.float64], NDArray[np.
     return rows[:, :3], rows[:, 3]
 
 
-def _normals(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float32]:
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    area = np.cross(b - a, c - a)
-    corner = triangles.ravel()
-    sums = np.stack([np.bincount(corner, np.repeat(area[:, k], 3), len(points)) for k in range(3)], axis=1)
-    length = np.linalg.norm(sums, axis=1, keepdims=True)
-    return np.divide(sums, length, out=sums, where=length > 0).astype(np.float32)
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float32]:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, length, out=vectors, where=length > 0).astype(np.float32)

@@ -1,0 +1,80 @@
+"""Pictures of the window's content without a window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cadquery as cq
+import numpy as np
+import pytest
+
+import nofacet
+from egl import offscreen_context
+
+pytest.importorskip("moderngl")
+
+from nofacet_viewer import offscreen
+from nofacet_viewer.caption import caption_height, text_width
+from nofacet_viewer.offscreen import write_view
+from nofacet_viewer.state import View
+
+SIZE = (480, 300)
+
+
+@pytest.fixture(autouse=True)
+def egl() -> None:
+    offscreen_context().release()
+
+
+def pixels_of(path: Path) -> np.ndarray:
+    pixels, channels, _ = nofacet.image.read(path)
+    assert channels == ["R", "G", "B"]
+    return pixels
+
+
+@pytest.mark.parametrize("view", list(View))
+def test_every_view_is_written(tmp_path: Path, view: View) -> None:
+    path = tmp_path / "view.png"
+    write_view(cq.Workplane().sphere(3), path, view, SIZE, setting=nofacet.MeshSetting("coarse", 0.3))
+    pixels = pixels_of(path)
+    assert pixels.shape == (SIZE[1], SIZE[0], 3)
+    caption = pixels[-caption_height(SIZE[1]) :]
+    assert (caption < 0.5).any() and caption[0, 0] == pytest.approx(245 / 255)
+    shown = pixels[: -caption_height(SIZE[1])]
+    assert (shown.min(axis=2) < 0.9).mean() > 0.02 and shown[0, 0] == pytest.approx(1.0)
+
+
+def test_camera_is_in_the_picture(tmp_path: Path) -> None:
+    camera = nofacet.Camera("perspective", (9, 8, 7), (0, 0, 0), view_angle=40.0)
+    write_view(cq.Workplane().box(1, 2, 3), tmp_path / "view.png", "wipe", SIZE, camera)
+    assert nofacet.Camera.load(tmp_path / "view.png") == camera
+
+
+def test_all_overlays_together(tmp_path: Path) -> None:
+    write_view(cq.Workplane().cylinder(2, 1), tmp_path / "all.png", "side-by-side", SIZE, overlays=offscreen.OVERLAYS)
+    assert np.ptp(pixels_of(tmp_path / "all.png"), axis=2).max() > 0.3  # legend and lines are coloured
+
+
+def test_wrong_requests_are_one_line(tmp_path: Path) -> None:
+    ball = cq.Workplane().sphere(1)
+    with pytest.raises(ValueError, match=r"written as \.png"):
+        write_view(ball, tmp_path / "view.exr")
+    with pytest.raises(ValueError, match="unknown view 'sideways'; choose one of exact"):
+        write_view(ball, tmp_path / "view.png", "sideways")
+    with pytest.raises(ValueError, match="unknown overlay 'stripes'"):
+        write_view(ball, tmp_path / "view.png", overlays=["stripes"])
+    with pytest.raises(ValueError, match="too small"):
+        write_view(ball, tmp_path / "view.png", resolution=(10, 10))
+
+
+def test_without_egl_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(**wanted: object) -> None:
+        raise Exception("libEGL.so.1 not\nloaded")
+
+    monkeypatch.setattr("moderngl.create_standalone_context", refuse)
+    with pytest.raises(nofacet.InputError, match=r"no OpenGL 3.3 through EGL here \(libEGL.so.1 not loaded\)"):
+        write_view(cq.Workplane().sphere(1), tmp_path / "view.png", "exact", SIZE)
+
+
+def test_a_line_of_text_has_a_width() -> None:
+    assert 60 < text_width("12,345 triangles", 14) < 200

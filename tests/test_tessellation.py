@@ -1,0 +1,101 @@
+"""OpenCascade's triangles for those who compare with them: settings, normals, a process of their own."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import cadquery as cq
+import numpy as np
+import pytest
+
+import nofacet
+from scenes import look_down
+
+pytest.importorskip("moderngl")
+
+from nofacet_viewer.meshing import Mesher, MeshResult
+
+COARSE = nofacet.MeshSetting("coarse", 0.1)
+LIMIT = 60.0  # seconds for a child process to start and mesh
+
+
+def answer_of(mesher: Mesher) -> MeshResult | str:
+    end = time.monotonic() + LIMIT
+    while (answer := mesher.poll()) is None:
+        assert time.monotonic() < end, "the mesher did not answer"
+        time.sleep(0.02)
+    return answer
+
+
+def test_settings_of_viewers() -> None:
+    sides = (10.0, 20.0, 60.0)
+    deflection = {name: setting.for_box(sides).deflection for name, setting in nofacet.MESH_SETTINGS.items()}
+    expected = {"F3D": 0.1, "Mayo": 0.24, "ocp-vscode": 0.03, "CQ-editor": 0.0024, "cadquery": 0.24, "FreeCAD": 0.15}
+    assert deflection == pytest.approx(expected)
+
+
+def test_deflection_in_pixels() -> None:
+    assert nofacet.MeshSetting.in_pixels(0.5, look_down(10.0), (400, 200)).deflection == pytest.approx(0.025)
+    near = nofacet.Camera("perspective", (0, 0, 5), (0, 0, 0), (0, 1, 0), view_angle=90.0)
+    assert nofacet.MeshSetting.in_pixels(1.0, near, (400, 200)).deflection == pytest.approx(0.05)
+    with pytest.raises(ValueError, match="positive"):
+        nofacet.MeshSetting.in_pixels(0.0, near, (400, 200))
+
+
+def test_normals_are_the_surfaces_and_point_outwards() -> None:
+    mesh = nofacet.tessellate(cq.Workplane().sphere(2).translate((5, 0, 0)), COARSE)
+    out = (mesh.points - (5, 0, 0)) / 2
+    assert mesh.normals == pytest.approx(out, abs=1e-6)
+    hole = nofacet.tessellate(cq.Workplane().box(4, 4, 1).faces(">Z").hole(2), COARSE)
+    distance = np.hypot(*hole.points[:, :2].T)
+    inside = (distance < 1.01) & (np.abs(hole.normals[:, 2]) < 0.5)
+    assert inside.any() and hole.normals[inside, :2] == pytest.approx(-hole.points[inside, :2], abs=1e-6)
+    mirrored = nofacet.tessellate(cq.Workplane().sphere(2).mirror("XY"), COARSE)
+    assert mirrored.normals == pytest.approx(mirrored.points / 2, abs=1e-6)
+
+
+def test_relative_deflection_and_figures_of_a_mesh() -> None:
+    setting = nofacet.MeshSetting("relative", 0.01, relative_to="largest side")
+    mesh = nofacet.tessellate(cq.Workplane().box(1, 2, 4), setting)
+    assert mesh.deflection == pytest.approx(0.04, rel=1e-3)
+    assert mesh.display_bytes == 24 * 24 + 12 * 12 and mesh.seconds > 0
+
+
+def test_mesher_keeps_the_shape_for_the_next_setting() -> None:
+    mesher = Mesher()
+    source = cq.Workplane().sphere(1)
+    counts: list[int] = []
+    for deflection in (0.1, 0.001):
+        mesher.start(source, nofacet.MeshSetting("test", deflection))
+        assert mesher.busy
+        answer = answer_of(mesher)
+        assert isinstance(answer, MeshResult) and not mesher.busy
+        counts.append(len(answer.mesh.triangles))
+        assert mesher.poll() is None
+    mesher.cancel()
+    assert counts[1] > 5 * counts[0]
+
+
+def test_mesher_is_cancelled_and_starts_again() -> None:
+    mesher = Mesher()
+    mesher.start(cq.Workplane().sphere(100), nofacet.MeshSetting("hopeless", 1e-6, 1e-4))
+    time.sleep(0.2)
+    begin = time.monotonic()
+    mesher.start(cq.Workplane().box(1, 1, 1), COARSE)
+    assert time.monotonic() - begin < 10
+    answer = answer_of(mesher)
+    assert isinstance(answer, MeshResult) and len(answer.mesh.triangles) == 12
+    mesher.cancel()
+    assert mesher.poll() is None and not mesher.busy
+
+
+def test_mesher_says_in_a_line_what_is_wrong(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.step"
+    broken.write_text("ISO-10303-21;\nHEADER;\n")
+    mesher = Mesher()
+    mesher.start(str(broken), COARSE)
+    answer = answer_of(mesher)
+    assert isinstance(answer, str) and "broken.step" in answer and "\n" not in answer and not mesher.busy
+    with pytest.raises(nofacet.InputError, match="cannot draw"):
+        mesher.start(3, COARSE)

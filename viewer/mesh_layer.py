@@ -1,0 +1,126 @@
+"""OpenCascade's triangles, drawn as viewers draw them: interpolated normals under the light of the exact pictures.
+
+Transparent faces come after all opaque ones, from the farthest triangle to the nearest by the triangles' middles, over
+what is behind them and without hiding one another: right but for triangles that pass through each other or are very
+long.
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+import nofacet
+
+from .programs import bind, program, set_light, set_uniforms
+from .projection import Projection, project
+from .targets import SurfaceTarget
+
+COLOR_ROW = 1024  # faces a row of the texture of their colours
+
+
+class FaceColors:
+    """A texture of the faces' colours, linear RGBA."""
+
+    def __init__(self, context: moderngl.Context, colors: NDArray[np.float32]) -> None:
+        rows = max(1, -(-len(colors) // COLOR_ROW))
+        padded = np.zeros((rows * COLOR_ROW, 4), np.float32)
+        padded[: len(colors)] = colors
+        self.texture = context.texture((COLOR_ROW, rows), 4, padded.tobytes(), dtype="f4")
+        self.texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        self.alpha = padded[:, 3]
+
+    def release(self) -> None:
+        self.texture.release()
+
+
+class MeshLayer:
+    """One mesh on the graphics card."""
+
+    def __init__(self, context: moderngl.Context, mesh: nofacet.Mesh) -> None:
+        self.mesh = mesh
+        self._context = context
+        self.bounds = _bounds(mesh.points)
+        self.center = (self.bounds[0] + self.bounds[1]) / 2
+        face = np.zeros(len(mesh.points), np.int32)
+        face[mesh.triangles] = mesh.face[:, None]
+        local = (mesh.points - self.center).astype(np.float32)
+        vertices = np.zeros(len(local), [("position", "f4", 3), ("normal", "f4", 3), ("face", "i4")])
+        vertices["position"], vertices["normal"], vertices["face"] = local, mesh.normals, face
+        self._middles = local[mesh.triangles].mean(axis=1)
+        self._vertices = context.buffer(vertices.tobytes() or bytes(28))
+        self._indices = context.buffer(reserve=max(12, 12 * len(mesh.triangles)), dynamic=True)
+        self._arrays: dict[str, moderngl.VertexArray] = {}
+
+    def projection(self, camera: nofacet.Camera, size: tuple[int, int]) -> Projection:
+        """The camera's matrices for this mesh's own coordinates."""
+        return project(camera, size, self.center, self.bounds)
+
+    def draw(
+        self, projection: Projection, colors: FaceColors, shading: str, ramp: moderngl.Texture, ramp_end: float
+    ) -> None:
+        """Draw into the framebuffer in use: linear RGBA, alpha premultiplied.
+
+        shading: "lit" shows the faces' colours, "zebra" and "curvature" show all faces opaque. ramp, ramp_end: the
+        colours of curvatures from -ramp_end to ramp_end.
+        """
+        opaque, transparent = self._ordered(projection, colors, shading == "lit")
+        self._indices.write(self.mesh.triangles[np.concatenate([opaque, transparent])].tobytes() or bytes(12))
+        array = self._array("mesh.frag", shading)
+        self._prepare(array.program, projection)
+        set_light(array.program, projection)
+        set_uniforms(array.program, ramp_end=ramp_end)
+        bind(array.program, face_colors=colors.texture, ramp=ramp)
+        self._context.enable_only(moderngl.DEPTH_TEST)
+        array.render(vertices=3 * len(opaque))
+        if len(transparent):
+            self._context.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+            self._context.blend_equation = moderngl.FUNC_ADD
+            self._context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+            self._context.fbo.depth_mask = False
+            array.render(vertices=3 * len(transparent), first=3 * len(opaque))
+            self._context.fbo.depth_mask = True
+
+    def draw_surface(self, projection: Projection, colors: FaceColors, target: SurfaceTarget) -> None:
+        """Draw depth and face of the nearest triangle at every pixel's centre."""
+        shown = self.mesh.triangles[colors.alpha[self.mesh.face] > 0]
+        self._indices.write(shown.tobytes() or bytes(12))
+        target.clear()
+        array = self._array("surface.frag")
+        self._prepare(array.program, projection)
+        self._context.enable_only(moderngl.DEPTH_TEST)
+        array.render(vertices=3 * len(shown))
+
+    def release(self) -> None:
+        for array in self._arrays.values():
+            array.program.release()
+            array.release()
+        self._vertices.release()
+        self._indices.release()
+
+    def _array(self, fragment: str, shading: str | None = None) -> moderngl.VertexArray:
+        """The mesh with the program that draws it so."""
+        key = shading or fragment
+        if key not in self._arrays:
+            vertices = [(self._vertices, "3f 3f 1i", "position", "normal", "face")]
+            target = program(self._context, "mesh.vert", fragment, shading)
+            self._arrays[key] = self._context.vertex_array(target, vertices, self._indices, skip_errors=True)
+        return self._arrays[key]
+
+    def _prepare(self, target: moderngl.Program, projection: Projection) -> None:
+        set_uniforms(target, clip_from_local=projection.clip_from_local, eye_from_local=projection.eye_from_local)
+
+    def _ordered(
+        self, projection: Projection, colors: FaceColors, transparency: bool
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Triangles of opaque faces, and those of transparent ones from back to front; hidden faces have alpha 0."""
+        alpha = colors.alpha[self.mesh.face]
+        opaque = alpha >= 1 if transparency else alpha > 0
+        chosen = np.flatnonzero(~opaque & (alpha > 0))
+        depth = self._middles[chosen] @ projection.eye_from_local[2, :3].astype(np.float32)
+        return np.flatnonzero(opaque), chosen[np.argsort(-depth, kind="stable")]
+
+
+def _bounds(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
