@@ -7,7 +7,7 @@ number of patches of a group, definitions, loops, segments, segment points, plac
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,3 +119,19 @@ class Model:
     def patch_count(self) -> int:
         """Number of patches of all definitions, each counted once however often it is placed."""
         return sum(len(group.definition) for group in self.groups)
+
+    def showing(self, visible: NDArray[np.bool_]) -> Model:
+        """This model without the faces for which `visible` (F,) is False; those that stay keep their indices.
+
+        The others get a definition that has no patches, and a colour of opacity 0.
+        """
+        nothing = self.definition_count
+        return replace(
+            self,
+            surface_type=[*self.surface_type, "other"],
+            trimmed=np.append(self.trimmed, np.uint8(0)),
+            definition_loops=np.append(self.definition_loops, self.definition_loops[-1]),
+            conversion_error=np.append(self.conversion_error, 0.0),
+            face_definition=np.where(visible, self.face_definition, np.int32(nothing)),
+            face_color=np.where(visible[:, None], self.face_color, np.float32(0)),
+        )

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _native
 from .camera import Camera
-from .errors import InputError
+from .errors import Cancelled, InputError
 from .frame import BUFFERS, Frame
 from .model import Model
 
@@ -38,6 +38,7 @@ def render(
     edges: bool = False,
     shadows: bool = False,
     reflectance: float = 0.0,
+    cancel: _native.Cancel | None = None,
 ) -> Frame:
     """Draw `model` as `camera` sees it.
 
@@ -52,7 +53,10 @@ def render(
     reflectance: share of the mirror image in every face's colour, 0 to below 1; four bounces. Where it shows nothing,
         `color` lets that share of the background through. Only with a method that casts secondary rays.
 
-    Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw.
+    cancel: once another thread has called its `set()`, drawing ends with the bands of rows that were begun. The
+        interpreter's lock is free while a frame is drawn.
+
+    Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw, Cancelled.
     The frame's `stats` hold the stages' times in seconds and counts.
     """
     check_request(resolution, method, samples, threads, buffers, shadows, reflectance)
@@ -84,8 +88,11 @@ def render(
         edges=edges,
         shadows=shadows,
         reflectance=reflectance,
+        cancel=cancel,
         **arrays,
     )
+    if stats.pop("cancelled"):
+        raise Cancelled("the frame was called off")
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
 
 

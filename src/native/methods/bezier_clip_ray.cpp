@@ -79,8 +79,10 @@ RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, con
   for (int k = 0; k < options.threads; ++k) {
     painters.push_back(std::make_unique<TilePainter>(scene, camera, rays, options, tree ? &*tree : nullptr, frame));
   }
-  parallel_for(bands.size(), options.threads,
-               [&](std::size_t band, int thread) { paint_band(*painters[thread], bands[band], int(band), frame); });
+  parallel_for(
+      bands.size(), options.threads,
+      [&](std::size_t band, int thread) { paint_band(*painters[thread], bands[band], int(band), frame); },
+      options.cancel);
   for (const auto& painter : painters) {
     stats.pieces += painter->clipper().leaves();
     stats.unresolved += painter->clipper().unresolved();
@@ -88,7 +90,7 @@ RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, con
   }
   watch.lap(stats.trace_seconds);
 
-  if (options.edges && frame.color && frame.depth) {
+  if (options.edges && frame.color && frame.depth && !options.cancelled()) {
     draw_edge_lines(scene, camera, options.threads, frame);
     watch.lap(stats.edge_seconds);
   }
