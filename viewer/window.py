@@ -1,0 +1,225 @@
+"""The window: glfw for window and input, moderngl for pictures, imgui-bundle for panels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import glfw
+import moderngl
+import numpy as np
+from imgui_bundle import imgui
+from imgui_bundle.python_backends.glfw_backend import GlfwRenderer
+from numpy.typing import NDArray
+
+from nofacet import InputError
+
+from .controls import Button, Point
+from .keymap import KEYS
+
+OPENGL = (3, 3)
+BUTTONS = {
+    glfw.MOUSE_BUTTON_LEFT: Button.LEFT,
+    glfw.MOUSE_BUTTON_MIDDLE: Button.MIDDLE,
+    glfw.MOUSE_BUTTON_RIGHT: Button.RIGHT,
+}
+_OTHER_NAMES = {
+    "PageUp": "PAGE_UP",
+    "PageDown": "PAGE_DOWN",
+    "-": "MINUS",
+    "=": "EQUAL",
+    ",": "COMMA",
+    ".": "PERIOD",
+    "/": "SLASH",
+    ";": "SEMICOLON",
+    "'": "APOSTROPHE",
+    "[": "LEFT_BRACKET",
+    "]": "RIGHT_BRACKET",
+    "\\": "BACKSLASH",
+    "`": "GRAVE_ACCENT",
+}
+# glfw's number of a key -> its name in the keymap; the keypad's keys are the same keys.
+KEY_NAMES = {getattr(glfw, f"KEY_{_OTHER_NAMES.get(name, name.upper())}"): name for name in KEYS}
+KEY_NAMES |= {getattr(glfw, f"KEY_KP_{digit}"): str(digit) for digit in range(10)} | {glfw.KEY_KP_ENTER: "Enter"}
+_MODIFIERS = {glfw.MOD_CONTROL: "Ctrl", glfw.MOD_SHIFT: "Shift", glfw.MOD_ALT: "Alt"}
+
+COPY_VERTICES = """
+#version 330
+out vec2 place;
+void main() {
+    place = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
+    gl_Position = vec4(place * 2.0 - 1.0, 0.0, 1.0);
+}
+"""
+COPY_FRAGMENTS = """
+#version 330
+uniform sampler2D picture;
+in vec2 place;
+out vec4 color;
+void main() { color = vec4(texture(picture, place).rgb, 1.0); }
+"""
+
+
+class Input(Protocol):
+    """Who is told what the user does, if it is not for a panel. Positions are in framebuffer pixels, y down."""
+
+    def on_key(self, key: str, modifiers: frozenset[str]) -> None: ...
+    def on_press(self, button: Button, at: Point, modifiers: frozenset[str]) -> None: ...
+    def on_release(self, button: Button, at: Point) -> None: ...
+    def on_move(self, at: Point) -> None: ...
+    def on_wheel(self, notches: float, modifiers: frozenset[str]) -> None: ...
+    def on_drop(self, paths: Sequence[str]) -> None: ...
+
+
+class Window:
+    """One window with its OpenGL context. One per process: imgui has one context."""
+
+    def __init__(self, title: str, size: tuple[int, int]) -> None:
+        """size: width and height in screen coordinates. Raises InputError where no window can be opened."""
+        self._handle = _open(title, size)
+        self.context: Any = moderngl.create_context()
+        imgui.create_context()
+        imgui.get_io().set_ini_filename("")  # no file left behind
+        self._gui: Any = GlfwRenderer(self._handle, attach_callbacks=False)
+        self._copy = self.context.vertex_array(self.context.program(COPY_VERTICES, COPY_FRAGMENTS), [])
+        self._modifiers: frozenset[str] = frozenset()
+        self.resized = True  # since the caller has set it to False
+        self._input: Input | None = None
+
+    def attach(self, receiver: Input) -> None:
+        """Tell `receiver` of all input from now on."""
+        self._input = receiver
+        glfw.set_key_callback(self._handle, self._on_key)
+        glfw.set_char_callback(self._handle, self._gui.char_callback)
+        glfw.set_mouse_button_callback(self._handle, self._on_button)
+        glfw.set_cursor_pos_callback(self._handle, self._on_cursor)
+        glfw.set_scroll_callback(self._handle, self._on_scroll)
+        glfw.set_drop_callback(self._handle, lambda _, paths: receiver.on_drop(paths))
+        glfw.set_framebuffer_size_callback(self._handle, self._on_resize)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture in pixels; 0 while the window is minimized."""
+        width, height = glfw.get_framebuffer_size(self._handle)
+        return width, height
+
+    @property
+    def should_close(self) -> bool:
+        return bool(glfw.window_should_close(self._handle))
+
+    def set_title(self, title: str) -> None:
+        glfw.set_window_title(self._handle, title)
+
+    def wait(self, seconds: float) -> None:
+        """Handle the input that there is; without any, wait for some, or for wake(), at most so long."""
+        if seconds > 0:
+            glfw.wait_events_timeout(seconds)
+        else:
+            glfw.poll_events()
+
+    @staticmethod
+    def wake() -> None:
+        """End wait(); from any thread."""
+        glfw.post_empty_event()
+
+    def draw(self, picture: moderngl.Texture, panels: Callable[[], None]) -> None:
+        """Show a picture, as large as the window, and panels before it. Still to be shown: present()."""
+        self._gui.process_inputs()
+        imgui.new_frame()
+        panels()
+        imgui.render()
+        self.context.screen.use()
+        self.context.viewport = (0, 0, *self.size)
+        self.context.enable_only(moderngl.NOTHING)
+        picture.use(0)
+        self._copy.render(moderngl.TRIANGLES, vertices=3)
+        self._gui.render(imgui.get_draw_data())
+
+    def read(self) -> NDArray[np.uint8]:
+        """What draw() has drawn: (height, width, 3), sRGB, row 0 at the top."""
+        width, height = self.size
+        data = self.context.screen.read(viewport=(0, 0, width, height), components=3, alignment=1)
+        return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1].copy()
+
+    def present(self) -> None:
+        glfw.swap_buffers(self._handle)
+
+    def close(self) -> None:
+        """Close the window and free all that belongs to it."""
+        self._gui.shutdown()
+        imgui.destroy_context()
+        self.context.release()
+        glfw.destroy_window(self._handle)
+        glfw.terminate()
+
+    def _position(self, x: float, y: float) -> Point:
+        """Framebuffer pixels of screen coordinates."""
+        wide, high = glfw.get_window_size(self._handle)
+        width, height = self.size
+        return x * width / max(wide, 1), y * height / max(high, 1)
+
+    def _on_key(self, window: Any, code: int, scancode: int, action: int, bits: int) -> None:
+        self._gui.keyboard_callback(window, code, scancode, action, bits)
+        self._modifiers = _modifiers(bits)
+        name = KEY_NAMES.get(code)
+        if self._input and name and action != glfw.RELEASE and not imgui.get_io().want_text_input:
+            self._input.on_key(name, self._modifiers)
+
+    def _on_button(self, window: Any, code: int, action: int, bits: int) -> None:
+        imgui.get_io().add_mouse_button_event(code, action == glfw.PRESS)
+        button = BUTTONS.get(code)
+        if self._input is None or button is None:
+            return
+        at = self._position(*glfw.get_cursor_pos(window))
+        if action == glfw.RELEASE:
+            self._input.on_release(button, at)
+        elif not imgui.get_io().want_capture_mouse:
+            self._input.on_press(button, at, _modifiers(bits))
+
+    def _on_cursor(self, _: Any, x: float, y: float) -> None:
+        imgui.get_io().add_mouse_pos_event(x, y)
+        if self._input:
+            self._input.on_move(self._position(x, y))
+
+    def _on_scroll(self, window: Any, x: float, y: float) -> None:
+        imgui.get_io().add_mouse_wheel_event(x, y)
+        if self._input and not imgui.get_io().want_capture_mouse:
+            self._input.on_wheel(y, _held_modifiers(window))
+
+    def _on_resize(self, *_: Any) -> None:
+        self.resized = True
+
+
+def _open(title: str, size: tuple[int, int]) -> Any:
+    reasons: list[str] = []
+    glfw.set_error_callback(lambda code, text: reasons.append(text.decode(errors="replace")))
+    if glfw.init():
+        for hint, value in (
+            (glfw.CONTEXT_VERSION_MAJOR, OPENGL[0]),
+            (glfw.CONTEXT_VERSION_MINOR, OPENGL[1]),
+            (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
+            (glfw.OPENGL_FORWARD_COMPAT, True),
+            (glfw.DEPTH_BITS, 0),
+        ):
+            glfw.window_hint(hint, value)
+        handle = glfw.create_window(*size, title, None, None)
+        if handle:
+            glfw.make_context_current(handle)
+            glfw.swap_interval(1)
+            return handle
+    why = reasons[-1] if reasons else "no reason given"
+    raise InputError(f"no window can be opened ({why}); without a display, write a picture: --output=FILE.png")
+
+
+def _modifiers(bits: int) -> frozenset[str]:
+    return frozenset(name for bit, name in _MODIFIERS.items() if bits & bit)
+
+
+def _held_modifiers(window: Any) -> frozenset[str]:
+    """The modifiers that are held down; glfw tells of them only with keys and buttons."""
+    keys = {
+        "Ctrl": (glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_CONTROL),
+        "Shift": (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT),
+        "Alt": (glfw.KEY_LEFT_ALT, glfw.KEY_RIGHT_ALT),
+    }
+    return frozenset(name for name, codes in keys.items() if any(glfw.get_key(window, code) for code in codes))
