@@ -11,18 +11,20 @@ from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
 
 import nofacet
 from conftest import model_of, rectangle_group
-from nofacet import _native
-from nofacet.bench import borders, embree, gl, outline
+from nofacet import MeshSetting, _native, borders
+from nofacet.bench import embree, gl
 from nofacet.bench.bars import Bar
 from nofacet.bench.child import ChildFailure, in_child
 from nofacet.bench.crowd import crowd
-from nofacet.bench.mesh_setting import MeshSetting
+from nofacet.bench.outline import check_outline
 from nofacet.bench.run import run, write
-from nofacet.bench.subject import Subject, open_subject, placed_patch_count
+from nofacet.bench.subject import Subject, open_subject
 from nofacet.bench.timing import MOST_RUNS, repeat
 from nofacet.cad.ray_cast import RayCaster
-from nofacet.cad.tessellate import Mesh, box_sides, tessellate
+from nofacet.cad.tessellate import box_sides, tessellate
 from nofacet.cli import main
+from nofacet.mesh import Mesh
+from nofacet.outline import compare
 
 RESOLUTION = (160, 120)
 
@@ -89,7 +91,9 @@ def test_triangles_of_a_moved_instance_are_where_it_is() -> None:
 
 def test_exact_outline_of_a_sphere_is_a_circle(ball: Subject) -> None:
     radius = 50.0 / ball.pixel
-    for found, (width, height) in zip(borders.exact_borders(ball), (RESOLUTION, RESOLUTION[::-1]), strict=True):
+    for found, (width, height) in zip(
+        borders.exact_borders(ball.model, ball.camera, RESOLUTION), (RESOLUTION, RESOLUTION[::-1]), strict=True
+    ):
         y = found.line + 0.5 + borders.ROW_SHIFT - height / 2
         expected = width / 2 + np.where(found.enters, -1, 1) * np.sqrt(radius**2 - y**2)
         assert len(found.x) == 2 * 108
@@ -98,7 +102,10 @@ def test_exact_outline_of_a_sphere_is_a_circle(ball: Subject) -> None:
 
 def test_outline_error_of_a_polygon_is_that_of_its_sagitta(ball: Subject) -> None:
     sides, radius = 24, 50.0 / ball.pixel
-    error = outline.compare(borders.exact_borders(ball), borders.mesh_borders(fan(ball, 50.0, sides), ball))
+    error = compare(
+        borders.exact_borders(ball.model, ball.camera, RESOLUTION),
+        borders.mesh_borders(fan(ball, 50.0, sides), ball.camera, RESOLUTION),
+    )
     assert error
     sagitta = radius * (1 - np.cos(np.pi / sides))
     # The distance of a circle from its chord, as seen along the edge, is almost a parabola: its mean square is 8/15.
@@ -109,7 +116,9 @@ def test_outline_error_of_a_polygon_is_that_of_its_sagitta(ball: Subject) -> Non
 
 def test_outline_error_of_a_smaller_disc_is_the_difference_of_the_radii(ball: Subject) -> None:
     mesh = fan(ball, 50.0 - 0.1 * ball.pixel, 2000)
-    error = outline.compare(borders.exact_borders(ball), borders.mesh_borders(mesh, ball))
+    error = compare(
+        borders.exact_borders(ball.model, ball.camera, RESOLUTION), borders.mesh_borders(mesh, ball.camera, RESOLUTION)
+    )
     assert error and error.largest == pytest.approx(0.1, rel=0.02) and error.rms == pytest.approx(0.1, rel=0.02)
 
 
@@ -120,8 +129,8 @@ def test_a_sliver_that_only_one_side_has_is_counted_not_measured(ball: Subject) 
     points = np.vstack([disc.points, wire])
     triangles = np.vstack([disc.triangles, [len(disc.points) + np.arange(3)]]).astype(np.int32)
     mesh = Mesh(points, np.zeros(points.shape, np.float32), triangles, np.zeros(len(triangles), np.int32), 0.0)
-    exact = borders.exact_borders(ball)
-    plain, with_wire = (outline.compare(exact, borders.mesh_borders(one, ball)) for one in (disc, mesh))
+    exact = borders.exact_borders(ball.model, ball.camera, RESOLUTION)
+    plain, with_wire = (compare(exact, borders.mesh_borders(one, ball.camera, RESOLUTION)) for one in (disc, mesh))
     rows = round(40.0 / ball.pixel)
     assert plain and with_wire
     assert with_wire.unmatched - plain.unmatched == pytest.approx(2 * rows, abs=6)
@@ -136,8 +145,8 @@ def test_rows_do_not_measure_what_runs_along_them(ball: Subject) -> None:
         corners = [x * right + y * up for x, y in ((-40, -20), (40, -20), (40, top + 0.1), (-40, top))]
         triangles = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
         mesh = Mesh(np.array(corners), np.zeros((4, 3), np.float32), triangles, np.zeros(2, np.int32), 0.0)
-        slabs.append(borders.mesh_borders(mesh, ball))
-    error = outline.compare(slabs[0], slabs[1])
+        slabs.append(borders.mesh_borders(mesh, ball.camera, RESOLUTION))
+    error = compare(slabs[0], slabs[1])
     assert error and error.largest == pytest.approx(0.1, rel=1e-3)
 
 
@@ -149,7 +158,7 @@ def test_mesh_with_holes_and_overlaps_is_covered_where_any_triangle_is(ball: Sub
         corners += [x * right + y * up for x, y in ((x0, -20.0), (x1, -20.0), (x1, 20.0), (x0, 20.0))]
     triangles = np.array([[0, 1, 2], [0, 2, 3], [4, 6, 5], [4, 7, 6]], np.int32)
     mesh = Mesh(np.array(corners), np.zeros((8, 3), np.float32), triangles, np.zeros(4, np.int32), 0.0)
-    rows, columns = borders.mesh_borders(mesh, ball)
+    rows, columns = borders.mesh_borders(mesh, ball.camera, RESOLUTION)
     assert rows.enters.tolist() == [True, False] * (len(rows.x) // 2)
     assert rows.x[rows.enters] == pytest.approx(80 - 40 / ball.pixel, abs=1e-9)
     assert rows.x[~rows.enters] == pytest.approx(80 + 30 / ball.pixel, abs=1e-9)
@@ -157,14 +166,14 @@ def test_mesh_with_holes_and_overlaps_is_covered_where_any_triangle_is(ball: Sub
 
 
 def test_opencascades_rays_see_our_outline(ball: Subject) -> None:
-    check = outline.check_outline(ball, borders.exact_borders(ball)[0])
+    check = check_outline(ball, borders.exact_borders(ball.model, ball.camera, RESOLUTION)[0])
     assert check and check.not_found == 0 and check.largest < 1e-10
 
 
 def test_opencascades_rays_see_an_outline_that_is_off(ball: Subject) -> None:
-    rows, _ = borders.exact_borders(ball)
+    rows, _ = borders.exact_borders(ball.model, ball.camera, RESOLUTION)
     off = borders.Borders(rows.line, rows.x + 0.01, rows.enters, rows.across)
-    check = outline.check_outline(ball, off)
+    check = check_outline(ball, off)
     assert check and check.median == pytest.approx(0.01, abs=1e-8)
 
 
@@ -229,7 +238,7 @@ def test_crowd_is_side_by_side_and_all_in_the_picture() -> None:
     square = model_of([rectangle_group(np.array([[[x, y, 0.0] for y in (0, 1)] for x in (0, 1)]))])
     camera = nofacet.Camera("orthographic", (0, 0, 10), (0, 0, 0), (0, 1, 0), view_height=4.0)
     many = crowd(square, 7, camera)
-    assert many.face_count == 7 and placed_patch_count(many) == 7
+    assert many.face_count == 7 and many.placed_patch_count == 7
     frame = nofacet.render(many, nofacet.Camera.fit(many, (0, 0, -1), resolution=RESOLUTION), RESOLUTION, samples=1)
     faces, areas = np.unique(frame.face, return_counts=True)
     assert faces.tolist() == [-1, *range(7)]

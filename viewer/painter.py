@@ -1,80 +1,227 @@
-"""Placeholder until the painter is merged: shows the exact frame over the whole window."""
+"""Draws the window's content: both sides, in each view, with overlays, into any framebuffer."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 import nofacet
+from nofacet.extent import bounding_box
 
-from .panes import pane_resolution
+from .color_scale import ColorScale, outline_scale
+from .compositor import Compositor
+from .difference import OutlineDifference
+from .line_overlays import LineOverlays
+from .overlays import ANALYSES, EXACT_LINES, OVERLAYS, analysis_of, face_colors, scale_of
+from .panes import Pane, pane_resolution, panes
+from .sides import DrawnSide, ExactSide, Palette, SidePicture
 from .state import View, ViewState
 
-OVERLAYS = ("mesh-edges", "edges", "patch-borders", "control-nets", "conversion-error", "zebra", "curvature")
+__all__ = ["OVERLAYS", "Painter"]
 
-VERTICES = """
-#version 330
-out vec2 place;
-void main() {
-    place = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
-    gl_Position = vec4(place * 2.0 - 1.0, 0.0, 1.0);
-}
-"""
-FRAGMENTS = """
-#version 330
-uniform sampler2D picture;
-uniform vec3 background;
-uniform vec2 shown;  // from, to: the part of the width that shows the frame
-in vec2 place;
-out vec4 color;
-void main() {
-    vec4 exact = texture(picture, vec2((place.x - shown.x) / (shown.y - shown.x), 1.0 - place.y));
-    vec3 linear = exact.rgb + (1.0 - exact.a) * background;
-    if (place.x > shown.y) linear = vec3(0.5);
-    color = vec4(mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear, lessThan(linear, vec3(0.0031308))), 1.0);
-}
-"""
+Size = tuple[int, int]
+
+DIVIDER_COLOR = 0.45  # sRGB gray
+WIPE_LINE = 1  # pixels on each side of the wipe's place
 
 
 class Painter:
+    """Both sides of the window, and how each view puts them together.
+
+    Give it the model, OpenCascade's mesh of it and the exact frame as they come; each may be missing, and its side is
+    empty then. All calls come from the thread that the OpenGL context belongs to.
+    """
+
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
-        self._program = context.program(VERTICES, FRAGMENTS)
-        self._array = context.vertex_array(self._program, [])
-        self._texture: Any = None
+        self._lines = LineOverlays(context)
+        self._exact = ExactSide(context, self._lines)
+        self._drawn = DrawnSide(context, self._lines)
+        self._compositor = Compositor(context)
+        self._model: nofacet.Model | None = None
+        self._size = 1.0
+        self._palette: Palette | None = None
+        self._palette_of: str | None = None
+        self._difference: OutlineDifference | None = None
+        self._error: moderngl.Texture | None = None
 
-    def set_model(self, model: nofacet.Model | None) -> None: ...
+    def set_model(self, model: nofacet.Model | None) -> None:
+        """The model whose faces' colours both sides have; one that differs in colours only keeps its lines."""
+        same_shape = model is not None and self._model is not None and model.groups is self._model.groups
+        if not same_shape:
+            self._lines.set_model(model)
+        self._model = model
+        self._size = 1.0 if model is None else _diagonal(model)
+        self._forget_palette()
 
-    def set_mesh(self, mesh: Any) -> None: ...
+    def set_mesh(self, mesh: nofacet.Mesh | None) -> None:
+        """OpenCascade's triangles of the model."""
+        self._drawn.set_mesh(mesh)
+        self._lines.set_mesh(mesh)
+        self.set_difference(None)
 
-    def set_exact(self, frame: nofacet.Frame | None) -> None:
-        if self._texture:
-            self._texture.release()
-        self._texture = frame and self._context.texture(frame.resolution, 4, np.ascontiguousarray(frame.color), dtype="f4")
-        if self._texture:
-            self._texture.repeat_x = self._texture.repeat_y = False
+    def set_exact(self, frame: nofacet.Frame | None, curvature: NDArray[np.float32] | None = None) -> None:
+        """The exact side's frame, of any resolution; it is scaled to its pane. curvature: what
+        overlays.frame_curvature gives for it, for the overlay of that name."""
+        self._exact.set_frame(frame, curvature)
 
-    def exact_resolution(self, view: View, size: tuple[int, int]) -> tuple[int, int] | None:
-        return pane_resolution(view, size) if view.shows_exact else None
+    def set_difference(self, difference: OutlineDifference | None) -> None:
+        """The outline error of the present camera, model and mesh, for the view of that name."""
+        if self._error:
+            self._error.release()
+        self._difference, self._error = difference, None
+        if difference:
+            height, width = difference.picture.shape[:2]
+            self._error = self._context.texture((width, height), 2, difference.picture, dtype="f4")
+            self._error.filter = moderngl.NEAREST, moderngl.NEAREST
+
+    def exact_resolution(self, view: View, size: Size) -> Size | None:
+        """Pixels of the exact side in a window of `size`; None where the view does not show it."""
+        return None if view is View.TESSELLATED else pane_resolution(view, size)
 
     def exact_buffers(self, state: ViewState) -> tuple[str, ...]:
-        return ("color",)
+        """The frame's buffers that the view and its overlays need. With the overlay "edges", render with edges=True."""
+        needed = {"color": None}
+        if any(name in state.overlays for name in EXACT_LINES):
+            needed["depth"] = None
+        analysis = analysis_of(state.overlays)
+        needed.update(dict.fromkeys(ANALYSES[analysis] if analysis else ()))
+        if state.view is View.DIFFERENCE:
+            needed["face"] = None
+        return tuple(needed)
 
-    def paint(
-        self, state: ViewState, camera: nofacet.Camera, framebuffer: moderngl.Framebuffer, size: tuple[int, int]
-    ) -> None:
+    def legend(self, state: ViewState) -> ColorScale | None:
+        """What the colours of the present view or overlay mean."""
+        if state.view is View.DIFFERENCE:
+            error = self._difference.error if self._difference else None
+            return outline_scale(error.largest if error else 0.0)
+        return None if self._model is None else scale_of(state.overlays, self._model, self._size)
+
+    @property
+    def busy(self) -> bool:
+        """Whether lines that were asked for are still being made: paint again soon."""
+        return self._lines.busy
+
+    def wait(self) -> None:
+        """Until a further paint() shows all that the one before asked for."""
+        self._lines.wait()
+
+    def drawn_surface(self, camera: nofacet.Camera, size: Size) -> tuple[NDArray[np.float32], NDArray[np.int32]] | None:
+        """Depth and face (height, width) of OpenCascade's triangles at the pixel centres, as a Frame has them."""
+        if self._drawn.layer is None or self._model is None:
+            return None
+        return self._drawn.surface(camera, size, self._colors(frozenset())).read()
+
+    def paint(self, state: ViewState, camera: nofacet.Camera, framebuffer: moderngl.Framebuffer, size: Size) -> None:
+        """Draw the view into the framebuffer's lower left corner, `size` pixels of it, 8-bit sRGB."""
+        shown = panes(state.view, size)
+        pictures = [self._picture(pane, state, camera) for pane in shown]
         framebuffer.use()
-        framebuffer.clear(1.0, 1.0, 1.0, 1.0)
-        if self._texture is None or not state.view.shows_exact:
-            return
-        self._program["background"] = state.background
-        end = 0.5 if state.view is View.SIDE_BY_SIDE else 1.0
-        self._program["shown"] = (0.0, end)
-        self._context.enable_only(moderngl.NOTHING)
-        self._texture.use(0)
-        self._array.render(moderngl.TRIANGLES, vertices=3)
+        framebuffer.viewport = 0, 0, *size
+        framebuffer.scissor = 0, 0, *size
+        framebuffer.clear(*_srgb(state.background), 1.0)
+        if state.view is View.DIFFERENCE:
+            self._paint_difference(state, camera, shown[0], pictures[0], framebuffer)
+        else:
+            for pane, picture in zip(shown, pictures, strict=True):
+                part = _shown_part(state, pane)
+                if picture and part[2] > 0:
+                    framebuffer.scissor = part
+                    self._compositor.draw(picture, pane, state.background)
+            self._divide(state, framebuffer, size)
+        framebuffer.viewport = 0, 0, *size
+        framebuffer.scissor = None
 
     def release(self) -> None:
-        self.set_exact(None)
+        """Free what is on the graphics card."""
+        self.set_difference(None)
+        self._forget_palette()
+        for held in (self._exact, self._drawn, self._lines, self._compositor):
+            held.release()
+
+    def _picture(self, pane: Pane, state: ViewState, camera: nofacet.Camera) -> SidePicture | None:
+        if self._model is None:
+            return None
+        palette = self._colors(state.overlays)
+        if pane.side is View.EXACT:
+            return self._exact.picture(pane.size, state.overlays, palette, analysis_of(state.overlays) is not None)
+        if state.view is View.DIFFERENCE:
+            return None  # only its faces are needed
+        return self._drawn.picture(camera, pane.size, state.overlays, palette)
+
+    def _paint_difference(
+        self,
+        state: ViewState,
+        camera: nofacet.Camera,
+        pane: Pane,
+        exact: SidePicture | None,
+        framebuffer: moderngl.Framebuffer,
+    ) -> None:
+        scale = self.legend(state)
+        if exact is None or scale is None:
+            return
+        fits = self._difference is not None and self._difference.camera == camera and self._error is not None
+        drawn = None
+        if fits and self._drawn.layer:
+            drawn = self._drawn.surface(camera, pane.size, self._colors(state.overlays))
+        error = self._error if fits else None
+        face = self._exact.layer.face if self._exact.layer else None
+        framebuffer.use()
+        self._compositor.draw_difference(exact, face, drawn, error, scale, pane, state.background)
+
+    def _divide(self, state: ViewState, framebuffer: moderngl.Framebuffer, size: Size) -> None:
+        """The line between the sides."""
+        width, height = size
+        if state.view is View.SIDE_BY_SIDE:
+            left, right = panes(state.view, size)
+            framebuffer.scissor = left.width, 0, max(0, right.x - left.width), height
+        elif state.view is View.WIPE:
+            first = max(0, min(_wipe_column(state, width), width) - WIPE_LINE)
+            framebuffer.scissor = first, 0, min(2 * WIPE_LINE, width - first), height
+        else:
+            return
+        framebuffer.clear(DIVIDER_COLOR, DIVIDER_COLOR, DIVIDER_COLOR, 1.0)
+
+    def _colors(self, overlays: frozenset[str]) -> Palette:
+        assert self._model
+        analysis = analysis_of(overlays)
+        if self._palette is None or self._palette_of != analysis:
+            self._forget_palette()
+            scale = scale_of(overlays, self._model, self._size)
+            self._palette = Palette(self._context, face_colors(overlays, self._model), scale)
+            self._palette_of = analysis
+        return self._palette
+
+    def _forget_palette(self) -> None:
+        if self._palette:
+            self._palette.release()
+        self._palette = None
+
+
+def _shown_part(state: ViewState, pane: Pane) -> tuple[int, int, int, int]:
+    """Left, bottom, width and height of the part of the pane that shows."""
+    first, last = pane.x, pane.x + pane.width
+    if state.view is View.BLINK and state.blink_exact != (pane.side is View.EXACT):
+        last = first
+    if state.view is View.WIPE:
+        column = min(max(_wipe_column(state, pane.width), first), last)
+        first, last = (first, column) if pane.side is View.EXACT else (column, last)
+    return first, 0, last - first, pane.height
+
+
+def _wipe_column(state: ViewState, width: int) -> int:
+    return round(state.wipe * width)
+
+
+def _diagonal(model: nofacet.Model) -> float:
+    """Of the model's bounding box, model units; 1 for a model without extent."""
+    try:
+        low, high = bounding_box(model)
+    except nofacet.InputError:
+        return 1.0
+    return float(np.linalg.norm(high - low)) or 1.0
+
+
+def _srgb(linear: tuple[float, float, float]) -> tuple[float, ...]:
+    return tuple(12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055 for c in linear)

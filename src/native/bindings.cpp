@@ -20,6 +20,7 @@
 #include "extract/trim_loops.h"
 #include "extract/use_order.h"
 #include "floor.h"
+#include "light.h"
 #include "methods.h"
 #include "outline.h"
 
@@ -401,6 +402,18 @@ nb::object rectangles_of(nb::handle loops, BoxRows boxes) {
   return owned_flags(rectangles(view, boxes.data(), boxes.shape(0)));
 }
 
+nb::dict light_constants() {
+  nb::dict light;
+  light["direction"] = nb::make_tuple(kKeyLight[0], kKeyLight[1], kKeyLight[2]);
+  light["ambient"] = kAmbient;
+  light["sky"] = kSky;
+  light["facing"] = kFacing;
+  light["key"] = kKey;
+  light["gloss"] = kGloss;
+  light["gloss_exponent"] = kGlossExponent;
+  return light;
+}
+
 bool casts_secondary_rays(const std::string& name) {
   const Method* method = find_method(name);
   return method && method->secondary_rays;
@@ -436,6 +449,7 @@ NB_MODULE(_native, module) {
   module.def("method_names", &method_names, "Names of the rendering methods.");
   module.def("casts_secondary_rays", &casts_secondary_rays, nb::arg("method"),
              "Whether the method offers shadows and mirror reflection.");
+  module.def("light", &light_constants, "The light of every picture: the fields of nofacet.light.Light.");
   module.def("surface_points", &surface_points_of, nb::arg("model"),
              "Samples (N, 3) of the drawn surface, by definition, and where each definition's begin (D + 1,).");
   module.def("support", &support_of, nb::arg("model"), nb::arg("directions"),

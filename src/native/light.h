@@ -12,6 +12,7 @@ namespace nofacet {
 inline constexpr double kKeyLight[3] = {-0.29, 0.35, -0.89};
 // Shares of the light: from everywhere, from the sky above, from the eye, from the key light, and its highlight.
 inline constexpr double kAmbient = 0.10, kSky = 0.17, kFacing = 0.25, kKey = 0.48, kGloss = 0.10;
+inline constexpr int kGlossExponent = 32;  // of the highlight's cosine; light() takes it in squarings
 
 // Linear RGB of a face colour at a point with the unit normal `normal`, turned towards the viewer who stands in the
 // unit direction `towards_eye`; all in eye space. `key`: whether the key light reaches the point.

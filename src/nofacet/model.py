@@ -120,6 +120,14 @@ class Model:
         """Number of patches of all definitions, each counted once however often it is placed."""
         return sum(len(group.definition) for group in self.groups)
 
+    @property
+    def placed_patch_count(self) -> int:
+        """Number of patches of all placed faces: those of a definition count as often as it is placed."""
+        patches = np.zeros(self.definition_count, np.int64)
+        for group in self.groups:
+            patches += np.bincount(group.definition, minlength=self.definition_count)
+        return int(patches[self.face_definition].sum())
+
     def showing(self, visible: NDArray[np.bool_]) -> Model:
         """This model without the faces for which `visible` (F,) is False; those that stay keep their indices.
 

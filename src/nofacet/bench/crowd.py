@@ -14,7 +14,7 @@ from ..extent import bounding_box
 from ..model import Model
 from ..render import DEFAULT_METHOD
 from .frames import frame_time
-from .subject import Subject, placed_patch_count
+from .subject import Subject
 from .timing import Timing
 
 SERIES = (1_000, 10_000, 100_000)  # patches, at the same screen coverage
@@ -44,11 +44,11 @@ def measure_crowds(subject: Subject, threads: int) -> Iterator[CrowdTime]:
 
 
 def _time(subject: Subject, patches: int, threads: int) -> CrowdTime:
-    count = ceil(patches / subject.patch_count)
+    count = ceil(patches / subject.model.placed_patch_count)
     model = crowd(subject.model, count, subject.camera)
     camera = Camera.fit(model, resolution=subject.resolution)
     frame = frame_time(model, camera, subject.resolution, DEFAULT_METHOD, threads, 1)
-    total = placed_patch_count(model)
+    total = model.placed_patch_count
     return CrowdTime(subject.name, count, total, threads, frame.seconds, frame.pieces, frame.stages)
 
 

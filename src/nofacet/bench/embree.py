@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from ..cad.tessellate import Mesh
+from ..mesh import Mesh
 from .subject import Subject
 from .timing import MESH_SECONDS, repeat
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..cad.tessellate import Mesh
 from ..camera import Camera
+from ..mesh import Mesh
 from .child import ChildFailure, in_child
 from .subject import Subject
 from .timing import MESH_SECONDS, repeat

@@ -6,12 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from ..cad.tessellate import Mesh, tessellate
+from ..borders import Borders, mesh_borders
+from ..mesh import Mesh
+from ..mesh_setting import MeshSetting
+from ..outline import OutlineError, compare
+from ..tessellation import tessellate
 from . import embree, gl
-from .borders import Borders, mesh_borders
 from .child import ChildFailure, in_child
-from .mesh_setting import MeshSetting
-from .outline import OutlineError, compare
 from .subject import Subject
 
 DRAWING_LIMIT = 60.0  # seconds
@@ -53,7 +54,7 @@ def measure_mesh(
     what = f"{subject.name}, mesh {setting.name}"
 
     def make() -> Mesh:
-        return tessellate(subject.shape, setting.deflection, setting.angle, setting.delabella)
+        return tessellate(subject.shape, setting)
 
     try:
         mesh = in_child(make, limit)
@@ -64,13 +65,13 @@ def measure_mesh(
         left_out.append(f"{what}: no triangles")
         return None
     result = MeshResult(setting, mesh.seconds, triangles=len(mesh.triangles))
-    result.megabytes = (24 * len(mesh.points) + 12 * len(mesh.triangles)) / 1e6
+    result.megabytes = mesh.display_bytes / 1e6
     if gl.missing() is None:
         result.opengl = _drawn(lambda: gl.frame_seconds(mesh, subject), f"{what}, OpenGL", left_out)
     if embree.missing() is None:
         traced = _drawn(lambda: embree.frame_seconds(mesh, subject, threads), f"{what}, Embree", left_out)
         result.embree = traced or {}
-    result.outline = compare(exact, mesh_borders(mesh, subject))
+    result.outline = compare(exact, mesh_borders(mesh, subject.camera, subject.resolution))
     return result
 
 

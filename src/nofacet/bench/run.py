@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from ..borders import exact_borders
 from ..errors import InputError
 from ..render import methods
 from . import embree, gl, plot, table
 from .bars import bars
-from .borders import exact_borders
 from .child import ChildFailure, in_child
 from .crowd import measure_crowds
 from .first_picture import measure_first_picture
@@ -64,13 +64,13 @@ def run(
 
 def _measure(subject: Subject, threads: int, quick: bool, meshing_limit: float, left_out: list[str]) -> SubjectResult:
     result = SubjectResult(
-        subject.name, subject.resolution, subject.model.face_count, subject.patch_count, subject.pixel
+        subject.name, subject.resolution, subject.model.face_count, subject.model.placed_patch_count, subject.pixel
     )
     result.first_pictures = [measure_first_picture(subject, count) for count in dict.fromkeys((1, threads))]
     result.frames, result.floor = measure_frames(subject, threads, methods())
     if quick:
         return result
-    exact = exact_borders(subject)
+    exact = exact_borders(subject.model, subject.camera, subject.resolution)
     try:
         result.outline = in_child(lambda: check_outline(subject, exact[0]), CHECK_LIMIT)
         result.ray_casting = in_child(lambda: measure_ray_casting(subject), CHECK_LIMIT)

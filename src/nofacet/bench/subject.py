@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..camera import Camera
 from ..errors import InputError
 from ..model import Model
@@ -36,19 +34,6 @@ class Subject:
     def pixel(self) -> float:
         """Size of a pixel in model units: the same everywhere, as the camera is orthographic."""
         return self.camera.extent_at_unit_depth() / self.resolution[1]
-
-    @property
-    def patch_count(self) -> int:
-        """Patches of all placed faces."""
-        return placed_patch_count(self.model)
-
-
-def placed_patch_count(model: Model) -> int:
-    """Patches of all placed faces: those of a definition count as often as it is placed."""
-    patches = np.zeros(model.definition_count, np.int64)
-    for group in model.groups:
-        patches += np.bincount(group.definition, minlength=model.definition_count)
-    return int(patches[model.face_definition].sum())
 
 
 def default_names() -> list[str]:

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from OCP.BinTools import BinTools
 from OCP.BRep import BRep_Builder
 from OCP.Quantity import Quantity_ColorRGBA
 from OCP.TopAbs import TopAbs_ShapeEnum
@@ -49,6 +50,12 @@ def cad_object(source: Any) -> tuple[TopoDS_Shape, Appearance]:
             "a build123d object, or a TopoDS_Shape"
         )
     return shape, Appearance.plain(len(_face_index(shape, kind)))
+
+
+def write_brep(shape: TopoDS_Shape, path: str) -> None:
+    """Write a binary BREP file. Raises OSError where it cannot be written."""
+    if not BinTools.Write_s(shape, path):
+        raise OSError(f"{path}: OpenCascade cannot write there; check the folder and the free space")
 
 
 def _package(source: Any) -> str:

@@ -19,27 +19,9 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
+from ..mesh import Mesh
+from ..mesh_setting import DEFAULT_ANGLE
 from . import stream
-
-DEFAULT_ANGLE = 0.5  # radians, BRepMesh_IncrementalMesh's own default
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """Triangles of every placed face, in world coordinates.
-
-    points: (n, 3) float64, model units; every face has its own.
-    normals: (n, 3) float32, unit: the mean of the normals of the face's triangles at the point, weighted by area.
-    triangles: (t, 3) int32, indices into points, anticlockwise seen from outside.
-    face: (t,) int32, index in the order of TopExp::MapShapes(shape, TopAbs_FACE).
-    seconds: wall-clock time that OpenCascade's mesher took.
-    """
-
-    points: NDArray[np.float64]
-    normals: NDArray[np.float32]
-    triangles: NDArray[np.int32]
-    face: NDArray[np.int32]
-    seconds: float
 
 
 def tessellate(
@@ -64,7 +46,7 @@ def tessellate(
     BRepTools.Clean_s(shape)
     start = time.perf_counter()
     BRepMesh_IncrementalMesh(shape, parameters)
-    return _collect(shape, time.perf_counter() - start)
+    return _collect(shape, time.perf_counter() - start, deflection)
 
 
 def box_sides(shape: TopoDS_Shape) -> tuple[float, float, float]:
@@ -100,7 +82,7 @@ def _face_meshes(shape: TopoDS_Shape) -> Iterator[_FaceMesh]:
             yield _FaceMesh(index, triangulation, location, backwards)
 
 
-def _collect(shape: TopoDS_Shape, seconds: float) -> Mesh:
+def _collect(shape: TopoDS_Shape, seconds: float, deflection: float) -> Mesh:
     found = list(_face_meshes(shape))
     points, triangles = [np.empty((0, 3))], [np.empty((0, 3), np.int32)]
     count = 0
@@ -111,7 +93,7 @@ def _collect(shape: TopoDS_Shape, seconds: float) -> Mesh:
         count += len(nodes)
     face = np.repeat(np.array([one.face for one in found], np.int32), [len(part) for part in triangles[1:]])
     all_points, all_triangles = np.concatenate(points), np.concatenate(triangles).astype(np.int32)
-    return Mesh(all_points, _normals(all_points, all_triangles), all_triangles, face, seconds)
+    return Mesh(all_points, _normals(all_points, all_triangles), all_triangles, face, seconds, deflection)
 
 
 def _arrays(triangulations: list[Poly_Triangulation]) -> list[tuple[NDArray[np.float64], NDArray[np.int32]]]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import atan, degrees
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _native
-from ..cad.tessellate import Mesh
-from ..camera import Camera
-from .subject import Subject
+from . import _native
+from .camera import Camera
+from .mesh import Mesh
+from .model import Model
 
 Array = NDArray[np.float64]
 
@@ -33,22 +34,21 @@ class Borders:
 
 
 def turned(camera: Camera, resolution: tuple[int, int]) -> tuple[Camera, tuple[int, int]]:
-    """The orthographic camera turned by 90 degrees about its axis, whose rows are the columns of the first's picture:
-    row k is column k."""
+    """The camera turned by 90 degrees about its axis, whose rows are the columns of the first's picture: row k is
+    column k."""
     width, height = resolution
     right, _, _ = camera.axes()
     up = (-float(right[0]), -float(right[1]), -float(right[2]))
     extent = camera.extent_at_unit_depth() * width / height
-    return Camera("orthographic", camera.position, camera.focal_point, up, extent), (height, width)
+    if camera.projection == "orthographic":
+        return replace(camera, view_up=up, view_height=extent), (height, width)
+    return replace(camera, view_up=up, view_angle=2 * degrees(atan(extent / 2))), (height, width)
 
 
-def exact_borders(subject: Subject) -> tuple[Borders, Borders]:
+def exact_borders(model: Model, camera: Camera, resolution: tuple[int, int]) -> tuple[Borders, Borders]:
     """On rows and on columns, from the exact surfaces."""
-    scene = _native.Scene(subject.model)
-    return (
-        _exact(scene, subject.camera, subject.resolution),
-        _exact(scene, *turned(subject.camera, subject.resolution)),
-    )
+    scene = _native.Scene(model)
+    return _exact(scene, camera, resolution), _exact(scene, *turned(camera, resolution))
 
 
 def _exact(scene: _native.Scene, camera: Camera, resolution: tuple[int, int]) -> Borders:
@@ -57,7 +57,7 @@ def _exact(scene: _native.Scene, camera: Camera, resolution: tuple[int, int]) ->
         eye=tuple(camera.position),
         axes=np.array(camera.axes()),
         scale=height / camera.extent_at_unit_depth(),
-        perspective=False,
+        perspective=camera.projection == "perspective",
         width=width,
         height=height,
     )
@@ -87,12 +87,12 @@ def _nearest_distance(line: NDArray[np.int64], x: Array, lines: NDArray[np.int64
     return np.where(lines[candidates] == line, np.abs(xs[candidates] - x), np.inf).min(axis=0)
 
 
-def mesh_borders(mesh: Mesh, subject: Subject) -> tuple[Borders, Borders]:
-    """On rows and on columns, from the mesh's triangles."""
+def mesh_borders(mesh: Mesh, camera: Camera, resolution: tuple[int, int]) -> tuple[Borders, Borders]:
+    """On rows and on columns, from the mesh's triangles. Those that reach behind a perspective eye are left out."""
     places, triangles = _welded(mesh)
     return (
-        _drawn(places, triangles, subject.camera, subject.resolution),
-        _drawn(places, triangles, *turned(subject.camera, subject.resolution)),
+        _drawn(places, triangles, camera, resolution),
+        _drawn(places, triangles, *turned(camera, resolution)),
     )
 
 
@@ -113,8 +113,10 @@ def _drawn(places: Array, triangles: NDArray[np.int64], camera: Camera, resoluti
     their sum from the left says how many triangles cover a place."""
     width, height = resolution
     matrix = camera.pixel_from_world(resolution)
-    pixels = places @ matrix[:2, :3].T + matrix[:2, 3]
-    edges, weight = _outline_edges(pixels, triangles)
+    weight = places @ matrix[3, :3] + matrix[3, 3]
+    triangles = triangles[(weight > 0)[triangles].all(axis=1)]
+    pixels = (places @ matrix[:2, :3].T + matrix[:2, 3]) / np.where(weight > 0, weight, 1)[:, None]
+    edges, more = _outline_edges(pixels, triangles)
     low, high = pixels[edges[:, 0]], pixels[edges[:, 1]]  # low y first
     first = np.maximum(np.ceil(low[:, 1] - 0.5 - ROW_SHIFT), 0).astype(np.int64)
     last = np.minimum(np.ceil(high[:, 1] - 0.5 - ROW_SHIFT), height).astype(np.int64)  # not included
@@ -126,7 +128,7 @@ def _drawn(places: Array, triangles: NDArray[np.int64], camera: Camera, resoluti
     x = low[edge, 0] + part * run[edge, 0]
     order = np.lexsort((x, line))
     line, x, edge = line[order], x[order], edge[order]
-    cover = np.cumsum(weight[edge])
+    cover = np.cumsum(more[edge])
     before = np.concatenate([[0], cover[:-1]])
     enters, leaves = (before == 0) & (cover > 0), (before > 0) & (cover == 0)
     across = np.abs(run[:, 1]) / np.hypot(run[:, 0], run[:, 1])

@@ -1,0 +1,189 @@
+"""The window's content as a picture file, drawn with no display: for documents and tests."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+import nofacet
+from nofacet import image
+from nofacet.camera import METADATA_KEY
+from nofacet.frame import SOFTWARE_KEY
+
+from .caption import caption_height, draw_caption, draw_legend
+from .difference import OutlineDifference, outline_difference
+from .figures import exact_figures, mesh_figures
+from .meshing import Mesher, MeshResult
+from .overlays import OVERLAYS, frame_curvature
+from .painter import Painter
+from .panes import pane_resolution, panes
+from .state import View, ViewState
+
+Size = tuple[int, int]
+
+DEFAULT_SETTING = nofacet.MESH_SETTINGS["F3D"]
+SAMPLES = 16
+POLL = 0.02  # seconds between looks whether the mesh is there
+
+
+def write_view(
+    source: Any,
+    output: str | Path,
+    view: View | str = View.SIDE_BY_SIDE,
+    resolution: Size = (1280, 720),
+    camera: nofacet.Camera | None = None,
+    overlays: Sequence[str] = (),
+    setting: nofacet.MeshSetting = DEFAULT_SETTING,
+    wipe: float = 0.5,
+    background: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> None:
+    """Draw what the window would show of `source` (what nofacet.load takes), its figures below, into a PNG file.
+
+    view: a View or its value. resolution: width and height of the whole picture. camera: by default it fits the model;
+    the picture carries it in its metadata. overlays: names from painter.OVERLAYS. setting: how OpenCascade meshes.
+    wipe: fraction of the width that the exact side has in that view. background: linear RGB.
+
+    Raises InputError if there is nothing to show or no way to draw off screen, ValueError for a view, overlay or file
+    name that makes no sense, OSError where the file cannot be written.
+    """
+    output = Path(output)
+    state = ViewState(_view(view), wipe, overlays=_known(overlays), background=background)
+    if output.suffix.lower() != ".png":
+        raise ValueError(f"{output}: pictures of views are written as .png")
+    height = resolution[1] - caption_height(resolution[1])
+    if resolution[0] < 16 or height < 16:
+        raise ValueError(f"resolution {resolution[0]} x {resolution[1]}: too small for a view and its figures")
+    model = nofacet.load(source, measure=True)
+    size = resolution[0], height
+    if camera is None:
+        camera = nofacet.Camera.fit(model, resolution=pane_resolution(state.view, size))
+    with _offscreen_context() as context:
+        scene = _Scene(model, camera, size, state, _mesh_of(source, setting, state.view))
+        picture = scene.draw(context, resolution)
+    attributes = {METADATA_KEY: json.dumps(camera.to_dict()), SOFTWARE_KEY: f"nofacet {version('nofacet')}"}
+    image.write(output, picture, ("R", "G", "B"), attributes)
+
+
+@contextmanager
+def _offscreen_context() -> Iterator[moderngl.Context]:
+    """An OpenGL context without a window. Raises InputError where there is none."""
+    try:
+        context = moderngl.create_standalone_context(backend="egl", require=330)
+    except Exception as error:  # moderngl and glcontext raise plain Exceptions
+        reason = " ".join(str(error).split())
+        raise nofacet.InputError(
+            f"cannot draw off screen: no OpenGL 3.3 through EGL here ({reason}); install a driver, such as Mesa's libegl1"
+        ) from None
+    try:
+        yield context
+    finally:
+        context.release()
+
+
+def _mesh_of(source: Any, setting: nofacet.MeshSetting, view: View) -> MeshResult | None:
+    """The mesh, None for a view that shows none. Raises InputError if there cannot be one."""
+    if view is View.EXACT:
+        return None
+    mesher = Mesher()
+    try:
+        mesher.start(source, setting)
+        while (answer := mesher.poll()) is None:
+            time.sleep(POLL)
+    finally:
+        mesher.cancel()
+    if isinstance(answer, str):
+        raise nofacet.InputError(answer)
+    return answer
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """What is drawn. size: of the picture without the caption."""
+
+    model: nofacet.Model
+    camera: nofacet.Camera
+    size: Size
+    state: ViewState
+    meshed: MeshResult | None
+
+    def draw(self, context: moderngl.Context, resolution: Size) -> NDArray[np.uint8]:
+        """sRGB (height, width, 3), row 0 at the top."""
+        painter = Painter(context)
+        painter.set_model(self.model)
+        difference = None
+        if self.meshed:
+            painter.set_mesh(self.meshed.mesh)
+            pane = pane_resolution(self.state.view, self.size)
+            difference = outline_difference(self.model, self.meshed.mesh, self.camera, pane)
+            painter.set_difference(difference)
+        seconds = self._render_exact(painter)
+        picture = self._painted(context, painter)
+        legend = painter.legend(self.state)
+        painter.release()
+        if legend:
+            draw_legend(picture, legend)
+        whole = np.full((resolution[1], resolution[0], 3), 255, np.uint8)
+        whole[: self.size[1]] = picture
+        self._caption(whole, seconds, difference)
+        return whole
+
+    def _render_exact(self, painter: Painter) -> float:
+        """Give the painter its exact frame; the seconds that it took."""
+        resolution = painter.exact_resolution(self.state.view, self.size)
+        if resolution is None:
+            return 0.0
+        buffers, edges = painter.exact_buffers(self.state), "edges" in self.state.overlays
+        nofacet.render(self.model, self.camera, (16, 16), samples=1)  # prepares the model
+        start = time.perf_counter()
+        frame = nofacet.render(self.model, self.camera, resolution, samples=SAMPLES, buffers=buffers, edges=edges)
+        seconds = time.perf_counter() - start
+        painter.set_exact(frame, frame_curvature(self.model, frame) if "uv" in buffers else None)
+        return seconds
+
+    def _painted(self, context: moderngl.Context, painter: Painter) -> NDArray[np.uint8]:
+        width, height = self.size
+        framebuffer = context.simple_framebuffer(self.size, 3)
+        for _ in range(2):  # the second has the lines that the first began to make
+            painter.paint(self.state, self.camera, framebuffer, self.size)
+            painter.wait()
+        pixels = np.frombuffer(framebuffer.read(components=3, alignment=1), np.uint8)
+        framebuffer.release()
+        return pixels.reshape(height, width, 3)[::-1].copy()
+
+    def _caption(self, whole: NDArray[np.uint8], seconds: float, difference: OutlineDifference | None) -> None:
+        height = len(whole) - self.size[1]
+        view, width = self.state.view, self.size[0]
+        sides = {pane.side for pane in panes(view, self.size)}
+        half = width // 2 if len(sides) == 2 else width
+        if View.EXACT in sides:
+            figures = exact_figures(self.model, seconds, f" with {SAMPLES} samples")
+            draw_caption(whole, 0, half, height, "exact", figures)
+        if self.meshed:
+            left = width - half if len(sides) == 2 else 0
+            name = f"triangles, {self.meshed.setting.name}"
+            figures = mesh_figures(self.meshed, difference.error if difference else None)
+            draw_caption(whole, left, width - left, height, name, figures)
+
+
+def _view(view: View | str) -> View:
+    try:
+        return View(view)
+    except ValueError:
+        raise ValueError(f"unknown view {view!r}; choose one of {', '.join(one.value for one in View)}") from None
+
+
+def _known(overlays: Sequence[str]) -> frozenset[str]:
+    for name in overlays:
+        if name not in OVERLAYS:
+            raise ValueError(f"unknown overlay {name!r}; choose from {', '.join(OVERLAYS)}")
+    return frozenset(overlays)

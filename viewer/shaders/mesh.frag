@@ -1,0 +1,42 @@
+#version 330 core
+#include "light.glsl"
+#include "zebra.glsl"
+#include "faces.glsl"
+const int LIT = 0, ZEBRA = 1, CURVATURE = 2;
+uniform int shading;
+uniform bool perspective;
+uniform sampler2D ramp;   // colours of the curvature scale, from -ramp_end to ramp_end
+uniform float ramp_end;
+in vec3 eye_position;
+in vec3 eye_normal;
+flat in int face_index;
+out vec4 color;  // linear, alpha premultiplied
+
+// Mean of the principal curvatures, positive where the surface bends towards its normal as in a drilled hole, from how
+// the interpolated normal turns across the pixel.
+float mean_curvature(vec3 normal) {
+    vec3 px = dFdx(eye_position), py = dFdy(eye_position), nx = dFdx(normal), ny = dFdy(normal);
+    float e = dot(px, px), f = dot(px, py), g = dot(py, py);
+    float l = dot(nx, px), m = 0.5 * (dot(nx, py) + dot(ny, px)), n = dot(ny, py);
+    return -0.5 * (e * n - 2.0 * f * m + g * l) / max(e * g - f * f, 1e-30);
+}
+
+void main() {
+    vec4 face_color = color_of_face(face_index);
+    vec3 outward = normalize(eye_normal);
+    float curvature = mean_curvature(outward);
+    vec3 towards_eye = perspective ? -normalize(eye_position) : vec3(0.0, 0.0, -1.0);
+    vec3 normal = gl_FrontFacing ? outward : -outward;
+    float phase = zebra_phase(normal, towards_eye), width = fwidth(phase);
+    if (face_color.a == 0.0) discard;
+    vec3 rgb;
+    if (shading == ZEBRA) {
+        rgb = zebra_color(zebra_white(phase, width));
+    } else {
+        vec3 base = face_color.rgb;
+        if (shading == CURVATURE) base = texture(ramp, vec2(0.5 + 0.5 * curvature / ramp_end, 0.5)).rgb;
+        rgb = lit(base, normal, towards_eye);
+    }
+    float alpha = shading == LIT ? face_color.a : 1.0;
+    color = vec4(rgb * alpha, alpha);
+}

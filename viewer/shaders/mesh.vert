@@ -1,0 +1,15 @@
+#version 330 core
+uniform mat4 clip_from_local;
+uniform mat4 eye_from_local;
+in vec3 position;
+in vec3 normal;
+in int face;
+out vec3 eye_position;
+out vec3 eye_normal;
+flat out int face_index;
+void main() {
+    gl_Position = clip_from_local * vec4(position, 1.0);
+    eye_position = (eye_from_local * vec4(position, 1.0)).xyz;
+    eye_normal = mat3(eye_from_local) * normal;
+    face_index = face;
+}
