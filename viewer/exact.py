@@ -13,8 +13,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 import nofacet
 
+from .overlays import frame_curvature
 from .scale import AdaptiveScale, scaled
 
 REFINEMENTS = (1, 4, 16)  # samples, at full resolution
@@ -23,23 +27,30 @@ FULL_SAMPLES = REFINEMENTS[-1]
 
 @dataclass(frozen=True)
 class Request:
-    """What the exact picture shows: resolution in pixels, and the frame buffers that are needed."""
+    """What the exact picture shows: resolution in pixels, the frame buffers that are needed, whether with edges drawn
+    and with the surfaces' curvature."""
 
     model: nofacet.Model
     camera: nofacet.Camera
     resolution: tuple[int, int]
     buffers: tuple[str, ...] = ("color", "depth", "face")
+    edges: bool = False
+    curvature: bool = False
 
 
 @dataclass(frozen=True)
 class Exact:
-    """A finished frame of a request: at which scale of its resolution and how many samples, and what it took."""
+    """A finished frame of a request: at which scale of its resolution, with how many samples, and what it took.
+
+    curvature: what overlays.frame_curvature gives for the frame, where it was asked for.
+    """
 
     frame: nofacet.Frame
     request: Request
     scale: float
     samples: int
     seconds: float
+    curvature: NDArray[np.float32] | None = None
 
     @property
     def is_full(self) -> bool:
@@ -146,9 +157,11 @@ class ExactRenderer:
             samples=step.samples,
             threads=self._threads,
             buffers=request.buffers,
+            edges=request.edges,
             cancel=self._cancel,
         )
         seconds = time.perf_counter() - start
         if step.moving:
             self.scale.update(seconds, step.scale)
-        return Exact(frame, request, step.scale, step.samples, seconds)
+        curvature = frame_curvature(request.model, frame) if request.curvature else None
+        return Exact(frame, request, step.scale, step.samples, seconds, curvature)

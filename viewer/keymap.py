@@ -128,7 +128,7 @@ class Keymap:
 
 
 def default_path() -> Path:
-    """Where the user's keymap is: nofacet/keymap.json in %APPDATA% on Windows, else in $XDG_CONFIG_HOME or ~/.config."""
+    """The user's keymap: nofacet/keymap.json in %APPDATA% on Windows, else in $XDG_CONFIG_HOME or ~/.config."""
     base = os.environ.get("APPDATA" if os.name == "nt" else "XDG_CONFIG_HOME", "")
     return (Path(base) if base else Path.home() / ".config") / "nofacet" / "keymap.json"
 

@@ -40,6 +40,7 @@ class Loader:
         self._cancel: nofacet.Cancel | None = None
         self._loaded: list[Loaded] = []
         self.path: str | None = None  # what is being read; None: nothing
+        self.measured = False  # whether its conversion is measured, too
         self.started = 0.0  # time.monotonic()
         self.stage = ""
 
@@ -47,7 +48,8 @@ class Loader:
         """Read a file. resolution: pixels of the picture that the camera is to fill; measured: as load's measure."""
         self.cancel()
         cancel = nofacet.Cancel()
-        self._cancel, self.path, self.started, self.stage = cancel, path, time.monotonic(), ""
+        self._cancel, self.path, self.measured = cancel, path, measured
+        self.started, self.stage = time.monotonic(), ""
         arguments = (path, resolution, measured, cancel)
         threading.Thread(target=self._read, args=arguments, name="reading", daemon=True).start()
 

@@ -44,5 +44,7 @@ def scaled(resolution: tuple[int, int], scale: float) -> tuple[int, int]:
         return resolution
     middle = max(round(height * scale), 1)
     heights = range(max(middle - 4, 1), min(middle + 4, height) + 1)
-    best = min(heights, key=lambda rows: (abs(round(width * rows / height) * height / (width * rows) - 1), abs(rows - middle)))
+    best = min(
+        heights, key=lambda rows: (abs(round(width * rows / height) * height / (width * rows) - 1), abs(rows - middle))
+    )
     return max(round(width * best / height), 1), best

@@ -5,26 +5,34 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 import nofacet
-from nofacet.camera import VIEWS
+from nofacet.camera import VIEWS, Vector, as_vector
 
-from .appearance import Appearance
+from .appearance import Appearance, Faces
 from .controls import Button, Controls, Point, zoom_wheel
 from .exact import Exact
-from .loading import DIRECTION, Loaded, Loader, one_line
+from .loading import Loaded, Loader, one_line
 from .painter import OVERLAYS
 from .panes import Pane, pane_resolution, panes
 from .state import View, ViewState
 from .tasks import Tasks
+from .tessellated import Tessellated
 from .watch import FileWatch
 
 NOTICE_SECONDS = 5.0
 BLINK_SECONDS = 0.6  # that each side is shown
 DIVIDER_REACH = 6.0  # pixels from a wipe's divider within which the mouse takes it
+
+
+@dataclass(frozen=True)
+class Hover:
+    """What is under the cursor: the face's index and the world point."""
+
+    face: int
+    point: Vector
 
 
 @dataclass(frozen=True)
@@ -55,15 +63,17 @@ class Session:
         self.watches = watch
         self.loader = Loader(wake)
         self.tasks = Tasks(wake)
+        self.tessellated = Tessellated(self.tasks)
         self.controls = Controls()
         self.camera = camera
         self.appearance: Appearance | None = None
         self.drawn: nofacet.Model | None = None  # the model as it is drawn: appearance.applied()
         self.described: nofacet.Model | None = None  # the same, with the errors of its conversion once they are known
         self.exact: Exact | None = None  # the frame shown last
+        self.selected = np.zeros(0, bool)  # (F,)
         self.notice: Notice | None = None
         self.cursor: Point = (0.0, 0.0)
-        self._anchor: tuple[float, float, float] | None = None  # what Ctrl+wheel zooms to, until the mouse moves
+        self._anchor: Vector | None = None  # what Ctrl+wheel zooms to, until the mouse moves
         self.files: list[str] = []
         self.index = 0
         self._watch: FileWatch | None = None
@@ -122,14 +132,24 @@ class Session:
         assert loaded.model
         same_file = self.model is not None and self.model.source == loaded.model.source
         keeps = same_file and (self._keeps_camera or loaded.measured)
-        self.appearance = self.appearance.carried_to(loaded.model) if self.appearance and keeps else Appearance(loaded.model)
+        self.appearance = (
+            self.appearance.carried_to(loaded.model) if self.appearance and keeps else Appearance(loaded.model)
+        )
         if loaded.measured:  # looks the same: nothing has to be drawn again
             self.described = self.appearance.applied()
             return
+        self.selected = np.zeros(loaded.model.face_count, bool)
         self.appearance_changed()
         if self.camera is None or not self._keeps_camera:
             self.camera = loaded.camera
+        self.tessellated.forget()
+        self.mesh()
         self.loader.start(loaded.path, self.pane_size, measured=True)
+
+    def mesh(self) -> None:
+        """Mesh the file as `tessellated` is set to."""
+        if self.path and self.camera and self.model is not None:
+            self.tessellated.start(self.path, self.camera, self.pane_size)
 
     # Messages and time
 
@@ -142,7 +162,7 @@ class Session:
 
         now: time.monotonic().
         """
-        changed = self.tasks.poll()
+        changed = self.tasks.poll() | self.tessellated.poll()
         loaded = self.loader.poll()
         if loaded:
             self._take(loaded)
@@ -162,6 +182,7 @@ class Session:
     def close(self) -> None:
         """Stop what is going on in the background."""
         self.loader.cancel()
+        self.tessellated.forget()
 
     # Actions of the keymap
 
@@ -253,39 +274,47 @@ class Session:
     def release(self, button: Button, at: Point) -> None:
         self.move(at)
         drag = self.controls.release(button)
-        if drag and drag.click and button is Button.MIDDLE and self.camera:
-            point = self.point_under(at)
-            if point is not None:
-                self.camera = self.camera.centre_on(point)
+        hover = self.hover
+        if drag is None or not drag.click or self.camera is None:
+            return
+        if button is Button.MIDDLE and hover:
+            self.camera = self.camera.centre_on(hover.point)
+        elif button is Button.LEFT:
+            self.select(np.array([hover.face] if hover else [], np.int32))
+
+    def select(self, faces: Faces) -> None:
+        """Select these faces in place of what was selected."""
+        self.selected[:] = False
+        self.selected[faces] = True
 
     def wheel(self, notches: float, to_cursor: bool = False) -> None:
         if self.camera is None:
             return
         if to_cursor and self._anchor is None:
-            self._anchor = self.point_under(self.cursor, anywhere=True)
+            self._anchor = self._zoom_centre()
         self.camera = zoom_wheel(self.camera, notches, self._anchor if to_cursor else None)
 
-    def point_under(self, at: Point, anywhere: bool = False) -> tuple[float, float, float] | None:
-        """World point of the surface that is shown at a position in the window; None on background, or there the point
-        at the focal point's depth where `anywhere`."""
-        pane, exact, camera = self.pane_at(at[0]), self.exact, self.camera
-        assert camera
-        pixel = at[0] - pane.x, at[1]
-        depth = None
-        if exact and exact.request.camera == camera:
-            frame = exact.frame
-            column, row = int(pixel[0] * frame.width / pane.width), int(pixel[1] * frame.height / pane.height)
-            if 0 <= column < frame.width and 0 <= row < frame.height:
-                depth = float(frame.depth[row, column])
-        if depth is None or not np.isfinite(depth):
-            if not anywhere:
-                return None
-            depth = None
-        x, y, z = camera.point_at(pixel, pane.size, depth)
-        return float(x), float(y), float(z)
+    @property
+    def hover(self) -> Hover | None:
+        """What the frame that is shown has under the cursor; None on background and while the camera moves."""
+        exact, camera = self.exact, self.camera
+        if exact is None or camera is None or exact.request.camera != camera or exact.request.model is not self.drawn:
+            return None
+        pane, frame = self.pane_at(self.cursor[0]), exact.frame
+        x, y = self.cursor[0] - pane.x, self.cursor[1]
+        column, row = int(x * frame.width / pane.width), int(y * frame.height / pane.height)
+        if not (0 <= column < frame.width and 0 <= row < frame.height) or frame.face[row, column] < 0:
+            return None
+        # The value holds at the pixel's centre.
+        centre = (column + 0.5) * pane.width / frame.width, (row + 0.5) * pane.height / frame.height
+        return Hover(
+            int(frame.face[row, column]), as_vector(camera.point_at(centre, pane.size, float(frame.depth[row, column])))
+        )
 
-
-def picture_path(model: str | None, folder: Path) -> Path:
-    """A file name for a picture of a model that does not exist yet in the folder."""
-    stem = Path(model).stem if model else "nofacet"
-    return next(path for k in range(1, 1 << 30) if not (path := folder / f"{stem}-{k}.png").exists())
+    def _zoom_centre(self) -> Vector:
+        """The world point that zooming to the cursor leaves in place; on background one at the focal point's depth."""
+        assert self.camera
+        hover, pane = self.hover, self.pane_at(self.cursor[0])
+        if hover:
+            return hover.point
+        return as_vector(self.camera.point_at((self.cursor[0] - pane.x, self.cursor[1]), pane.size))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 WHITE = (1.0, 1.0, 1.0)
 
 
 class View(enum.Enum):
-    """How the exact picture and OpenCascade's triangles share the window. The values are what the command line takes."""
+    """How the exact picture and OpenCascade's triangles share the window; values as the command line takes them."""
 
     EXACT = "exact"
     TESSELLATED = "tessellated"
@@ -40,6 +40,9 @@ class ViewState:
     blink_exact: bool = True
     overlays: frozenset[str] = frozenset()
     background: tuple[float, float, float] = WHITE
+
+    def copy(self) -> ViewState:
+        return replace(self)
 
     def toggle_overlay(self, name: str) -> None:
         """Show the overlay if it is not shown, and the other way round."""

@@ -8,8 +8,8 @@ from typing import Any, Protocol
 import glfw
 import moderngl
 import numpy as np
+import OpenGL
 from imgui_bundle import imgui
-from imgui_bundle.python_backends.glfw_backend import GlfwRenderer
 from numpy.typing import NDArray
 
 from nofacet import InputError
@@ -17,7 +17,10 @@ from nofacet import InputError
 from .controls import Button, Point
 from .keymap import KEYS
 
-OPENGL = (3, 3)
+OpenGL.ERROR_CHECKING = OpenGL.ERROR_LOGGING = False  # a question to the driver after each of the back end's calls
+from imgui_bundle.python_backends.glfw_backend import GlfwRenderer  # noqa: E402
+
+OPENGL_VERSION = (3, 3)
 BUTTONS = {
     glfw.MOUSE_BUTTON_LEFT: Button.LEFT,
     glfw.MOUSE_BUTTON_MIDDLE: Button.MIDDLE,
@@ -94,7 +97,7 @@ class Window:
         glfw.set_mouse_button_callback(self._handle, self._on_button)
         glfw.set_cursor_pos_callback(self._handle, self._on_cursor)
         glfw.set_scroll_callback(self._handle, self._on_scroll)
-        glfw.set_drop_callback(self._handle, lambda _, paths: receiver.on_drop(paths))
+        glfw.set_drop_callback(self._handle, self._on_drop)
         glfw.set_framebuffer_size_callback(self._handle, self._on_resize)
 
     @property
@@ -186,17 +189,25 @@ class Window:
         if self._input and not imgui.get_io().want_capture_mouse:
             self._input.on_wheel(y, _held_modifiers(window))
 
+    def _on_drop(self, _: Any, paths: Any) -> None:
+        if self._input:
+            self._input.on_drop(paths)
+
     def _on_resize(self, *_: Any) -> None:
         self.resized = True
 
 
 def _open(title: str, size: tuple[int, int]) -> Any:
     reasons: list[str] = []
-    glfw.set_error_callback(lambda code, text: reasons.append(text.decode(errors="replace")))
+
+    def remember(_: int, text: Any) -> None:
+        reasons.append(text.decode(errors="replace"))
+
+    glfw.set_error_callback(remember)
     if glfw.init():
         for hint, value in (
-            (glfw.CONTEXT_VERSION_MAJOR, OPENGL[0]),
-            (glfw.CONTEXT_VERSION_MINOR, OPENGL[1]),
+            (glfw.CONTEXT_VERSION_MAJOR, OPENGL_VERSION[0]),
+            (glfw.CONTEXT_VERSION_MINOR, OPENGL_VERSION[1]),
             (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
             (glfw.OPENGL_FORWARD_COMPAT, True),
             (glfw.DEPTH_BITS, 0),
