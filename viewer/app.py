@@ -264,13 +264,13 @@ class App:
         self.window.draw(framebuffer.color_attachments[0], self.panels.draw)
         if self._screenshot:
             self._screenshot = False
-            self._save_window()
+            self._save_window(framebuffer.color_attachments[0])
         self.window.present()
 
     # Pictures
 
-    def _save_window(self) -> None:
-        session, pixels = self.session, self.window.read()
+    def _save_window(self, picture: Any) -> None:
+        session, pixels = self.session, self.window.pixels(picture)
         path = picture_path(session.path, Path.cwd())
         session.tasks.run(lambda: save_window(path, pixels, session.camera), self._saved)
 

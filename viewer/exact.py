@@ -20,6 +20,7 @@ import nofacet
 
 from .overlays import frame_curvature
 from .scale import AdaptiveScale, scaled
+from .tasks import give_way
 
 REFINEMENTS = (1, 4, 16)  # samples, at full resolution
 FULL_SAMPLES = REFINEMENTS[-1]
@@ -109,6 +110,7 @@ class ExactRenderer:
         self._thread.join()
 
     def _run(self) -> None:
+        give_way()
         done = 0
         while True:
             with self._changed:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import nofacet
 
+from .tasks import give_way
+
 DIRECTION = (-1.0, 1.0, -0.5)  # of a camera that nobody has chosen: from the eye into the scene
 
 
@@ -67,6 +69,7 @@ class Loader:
             return self._loaded.pop() if self._loaded else None
 
     def _read(self, path: str, resolution: tuple[int, int], measured: bool, cancel: nofacet.Cancel) -> None:
+        give_way()  # and so does the process that reads
         try:
             model = nofacet.load(
                 path, timeout=self._timeout, progress=self._show_stage, measure=measured, cancel=cancel

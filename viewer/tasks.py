@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import queue
+import sys
 import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+NICENESS = 10
 Result = TypeVar("Result")
 
 
@@ -23,6 +26,7 @@ class Tasks:
         """Begin `work`; the poll() after its end calls `then` with what it returned, or raised."""
 
         def task() -> None:
+            give_way()
             try:
                 result: Result | Exception = work()
             except Exception as error:
@@ -42,3 +46,11 @@ class Tasks:
             any_ended = True
             then(result)
         return any_ended
+
+
+def give_way() -> None:
+    """Let the calling thread, and what it starts, compute only when the window has nothing to do, where the system can
+    tell threads apart (Linux): a window that waits for a processor is a window that hangs."""
+    if sys.platform == "linux":
+        thread = threading.get_native_id()
+        os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + NICENESS, 19))

@@ -97,7 +97,8 @@ class Window:
         glfw.set_mouse_button_callback(self._handle, self._on_button)
         glfw.set_cursor_pos_callback(self._handle, self._on_cursor)
         glfw.set_scroll_callback(self._handle, self._on_scroll)
-        glfw.set_drop_callback(self._handle, self._on_drop)
+        on_drop: Any = self._on_drop  # glfw's stubs have the signature of the C function
+        glfw.set_drop_callback(self._handle, on_drop)
         glfw.set_framebuffer_size_callback(self._handle, self._on_resize)
 
     @property
@@ -131,17 +132,15 @@ class Window:
         imgui.new_frame()
         panels()
         imgui.render()
-        self.context.screen.use()
-        self.context.viewport = (0, 0, *self.size)
-        self.context.enable_only(moderngl.NOTHING)
-        picture.use(0)
-        self._copy.render(moderngl.TRIANGLES, vertices=3)
-        self._gui.render(imgui.get_draw_data())
+        self._draw_into(self.context.screen, picture)
 
-    def read(self) -> NDArray[np.uint8]:
-        """What draw() has drawn: (height, width, 3), sRGB, row 0 at the top."""
+    def pixels(self, picture: moderngl.Texture) -> NDArray[np.uint8]:
+        """What draw() has drawn of the picture and panels: (height, width, 3), sRGB, row 0 at the top."""
         width, height = self.size
-        data = self.context.screen.read(viewport=(0, 0, width, height), components=3, alignment=1)
+        target = self.context.simple_framebuffer((width, height), 3)
+        self._draw_into(target, picture)
+        data = target.read(components=3, alignment=1)
+        target.release()
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1].copy()
 
     def present(self) -> None:
@@ -154,6 +153,14 @@ class Window:
         self.context.release()
         glfw.destroy_window(self._handle)
         glfw.terminate()
+
+    def _draw_into(self, target: moderngl.Framebuffer, picture: moderngl.Texture) -> None:
+        target.use()
+        self.context.viewport = (0, 0, *self.size)
+        self.context.enable_only(moderngl.NOTHING)
+        picture.use(0)
+        self._copy.render(moderngl.TRIANGLES, vertices=3)
+        self._gui.render(imgui.get_draw_data())
 
     def _position(self, x: float, y: float) -> Point:
         """Framebuffer pixels of screen coordinates."""
