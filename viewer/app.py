@@ -29,7 +29,7 @@ from .window import Window
 TITLE = "nofacet"
 SIZE = (1280, 720)
 IDLE_SECONDS = 0.25  # between looks at the clock and at files
-BUSY_SECONDS = 1 / 30  # between pictures of a progress bar
+BUSY_SECONDS = 0.1  # between pictures of a progress bar
 SETTLING_FRAMES = 2  # that imgui needs after an input until its picture stays the same
 
 
@@ -261,10 +261,11 @@ class App:
         if 0 in self.session.size:
             return
         framebuffer = self._framebuffer(self.session.size)
-        self.window.draw(framebuffer.color_attachments[0], self.panels.draw)
+        self.window.context.scissor = None
+        self.window.draw(framebuffer, self.panels.draw)
         if self._screenshot:
             self._screenshot = False
-            self._save_window(framebuffer.color_attachments[0])
+            self._save_window(framebuffer)
         self.window.present()
 
     # Pictures

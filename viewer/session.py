@@ -78,6 +78,7 @@ class Session:
         self.index = 0
         self._watch: FileWatch | None = None
         self._keeps_camera = camera is not None
+        self._to_measure: str | None = None  # a file that is shown and still to be read again, measured
         self._blinked = 0.0
         if files:
             self.open(files, keep_camera=camera is not None)
@@ -119,7 +120,7 @@ class Session:
     def _read(self, keep_camera: bool) -> None:
         assert self.path
         self._keeps_camera = keep_camera
-        self.notice = None
+        self.notice = self._to_measure = None
         self._watch = FileWatch(self.path)
         self.loader.start(self.path, self.pane_size)
 
@@ -144,7 +145,7 @@ class Session:
             self.camera = loaded.camera
         self.tessellated.forget()
         self.mesh()
-        self.loader.start(loaded.path, self.pane_size, measured=True)
+        self._to_measure = loaded.path
 
     def mesh(self) -> None:
         """Mesh the file as `tessellated` is set to."""
@@ -163,6 +164,9 @@ class Session:
         now: time.monotonic().
         """
         changed = self.tasks.poll() | self.tessellated.poll()
+        if self._to_measure and not self.tessellated.busy and self.loader.path is None:
+            self.loader.start(self._to_measure, self.pane_size, measured=True)
+            self._to_measure = None
         loaded = self.loader.poll()
         if loaded:
             self._take(loaded)

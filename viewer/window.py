@@ -19,6 +19,7 @@ from .keymap import KEYS
 
 OpenGL.ERROR_CHECKING = OpenGL.ERROR_LOGGING = False  # a question to the driver after each of the back end's calls
 from imgui_bundle.python_backends.glfw_backend import GlfwRenderer  # noqa: E402
+from OpenGL import GL as gl  # noqa: E402
 
 OPENGL_VERSION = (3, 3)
 BUTTONS = {
@@ -46,22 +47,6 @@ KEY_NAMES = {getattr(glfw, f"KEY_{_OTHER_NAMES.get(name, name.upper())}"): name 
 KEY_NAMES |= {getattr(glfw, f"KEY_KP_{digit}"): str(digit) for digit in range(10)} | {glfw.KEY_KP_ENTER: "Enter"}
 _MODIFIERS = {glfw.MOD_CONTROL: "Ctrl", glfw.MOD_SHIFT: "Shift", glfw.MOD_ALT: "Alt"}
 
-COPY_VERTICES = """
-#version 330
-out vec2 place;
-void main() {
-    place = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
-    gl_Position = vec4(place * 2.0 - 1.0, 0.0, 1.0);
-}
-"""
-COPY_FRAGMENTS = """
-#version 330
-uniform sampler2D picture;
-in vec2 place;
-out vec4 color;
-void main() { color = vec4(texture(picture, place).rgb, 1.0); }
-"""
-
 
 class Input(Protocol):
     """Who is told what the user does, if it is not for a panel. Positions are in framebuffer pixels, y down."""
@@ -84,8 +69,6 @@ class Window:
         imgui.create_context()
         imgui.get_io().set_ini_filename("")  # no file left behind
         self._gui: Any = GlfwRenderer(self._handle, attach_callbacks=False)
-        self._copy = self.context.vertex_array(self.context.program(COPY_VERTICES, COPY_FRAGMENTS), [])
-        self._modifiers: frozenset[str] = frozenset()
         self.resized = True  # since the caller has set it to False
         self._input: Input | None = None
 
@@ -126,7 +109,7 @@ class Window:
         """End wait(); from any thread."""
         glfw.post_empty_event()
 
-    def draw(self, picture: moderngl.Texture, panels: Callable[[], None]) -> None:
+    def draw(self, picture: moderngl.Framebuffer, panels: Callable[[], None]) -> None:
         """Show a picture, as large as the window, and panels before it. Still to be shown: present()."""
         self._gui.process_inputs()
         imgui.new_frame()
@@ -134,7 +117,7 @@ class Window:
         imgui.render()
         self._draw_into(self.context.screen, picture)
 
-    def pixels(self, picture: moderngl.Texture) -> NDArray[np.uint8]:
+    def pixels(self, picture: moderngl.Framebuffer) -> NDArray[np.uint8]:
         """What draw() has drawn of the picture and panels: (height, width, 3), sRGB, row 0 at the top."""
         width, height = self.size
         target = self.context.simple_framebuffer((width, height), 3)
@@ -154,12 +137,13 @@ class Window:
         glfw.destroy_window(self._handle)
         glfw.terminate()
 
-    def _draw_into(self, target: moderngl.Framebuffer, picture: moderngl.Texture) -> None:
+    def _draw_into(self, target: moderngl.Framebuffer, picture: moderngl.Framebuffer) -> None:
+        # moderngl's own copy takes the screen's size from when the window was opened.
+        area = (0, 0, *self.size)
+        gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, picture.glo)
+        gl.glBindFramebuffer(gl.GL_DRAW_FRAMEBUFFER, target.glo)
+        gl.glBlitFramebuffer(*area, *area, gl.GL_COLOR_BUFFER_BIT, gl.GL_NEAREST)
         target.use()
-        self.context.viewport = (0, 0, *self.size)
-        self.context.enable_only(moderngl.NOTHING)
-        picture.use(0)
-        self._copy.render(moderngl.TRIANGLES, vertices=3)
         self._gui.render(imgui.get_draw_data())
 
     def _position(self, x: float, y: float) -> Point:
@@ -170,10 +154,9 @@ class Window:
 
     def _on_key(self, window: Any, code: int, scancode: int, action: int, bits: int) -> None:
         self._gui.keyboard_callback(window, code, scancode, action, bits)
-        self._modifiers = _modifiers(bits)
         name = KEY_NAMES.get(code)
         if self._input and name and action != glfw.RELEASE and not imgui.get_io().want_text_input:
-            self._input.on_key(name, self._modifiers)
+            self._input.on_key(name, _modifiers(bits))
 
     def _on_button(self, window: Any, code: int, action: int, bits: int) -> None:
         imgui.get_io().add_mouse_button_event(code, action == glfw.PRESS)

@@ -11,7 +11,7 @@ from .figures import show_figures
 from .help import show_help
 from .inspector import show_inspector
 from .layout import MARGIN, OPACITY, SIDE_WIDTH
-from .messages import show_notice, show_progress
+from .messages import show_notice, show_progress, show_warnings
 from .settings import show_meshing, show_overlays, show_views
 
 OPEN = imgui.TreeNodeFlags_.default_open.value
@@ -60,4 +60,5 @@ class Panels:
                 self._assembly.show(self._session)
             if imgui.collapsing_header("Inspect", OPEN):
                 show_inspector(self._session)
+            show_warnings(self._session)
         imgui.end()

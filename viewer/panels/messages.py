@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from ..session import Session
 from .layout import LABEL, MARGIN, PROBLEM_COLOR, panel
 
+MOST_WARNINGS = 20  # that are listed
 BAR = (420.0, 0.0)
 
 
@@ -34,6 +35,16 @@ def show_notice(session: Session, size: tuple[float, float]) -> None:
             _line("Drop a STEP or BREP file here", size, problem=False)
         return
     _line(notice.text, size, notice.is_problem)
+
+
+def show_warnings(session: Session) -> None:
+    """What the file's reader warns of, in the side panel; nothing where it warns of nothing."""
+    warnings = session.model.warnings if session.model else []
+    if warnings and imgui.collapsing_header(f"Warnings ({len(warnings)})###warnings"):
+        for warning in warnings[:MOST_WARNINGS]:
+            imgui.text_wrapped(warning)
+        if len(warnings) > MOST_WARNINGS:
+            imgui.text_disabled(f"and {len(warnings) - MOST_WARNINGS} more: nofacet info")
 
 
 def _line(text: str, size: tuple[float, float], problem: bool) -> None:
