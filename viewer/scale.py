@@ -8,7 +8,7 @@ SMALLEST = 1 / 8
 STEP = 1 / 32  # scales are multiples of this, so that they settle
 MOST_SHRINK = 0.6  # factor at a time: one slow frame may be the machine's fault
 MOST_GROWTH = 1.25
-SLACK = 0.1  # part of the budget by which a frame must be too fast before the scale grows: no flicker between two
+SLACK = 0.07  # part of the budget that growing leaves free: no flicker between two scales
 
 
 class AdaptiveScale:
@@ -26,12 +26,10 @@ class AdaptiveScale:
     def update(self, seconds: float, scale: float) -> None:
         """Take into account that a frame at that scale took so long."""
         room = self.budget / max(seconds, 1e-6)
-        if 1.0 <= room <= 1.0 + SLACK:
-            return
-        wanted = scale * min(max(room**0.5, MOST_SHRINK), MOST_GROWTH)
-        steps = wanted / STEP
-        steps = steps // 1 if room < 1.0 else max(round(steps), scale / STEP + 1)
-        self.value = min(max(steps * STEP, SMALLEST), 1.0)
+        if room > 1.0:
+            room = max(room * (1.0 - SLACK), 1.0)
+        factor = min(max(room**0.5, MOST_SHRINK), MOST_GROWTH)
+        self.value = min(max(scale * factor // STEP * STEP, SMALLEST), 1.0)
 
 
 def scaled(resolution: tuple[int, int], scale: float) -> tuple[int, int]:

@@ -68,7 +68,7 @@ class Camera:
         if value <= 0 or (extent == "view_angle" and value >= 180):
             limit = "between 0 and 180 degrees" if extent == "view_angle" else "positive"
             raise ValueError(f"camera: {extent} is {value:g}; it must be {limit}")
-        if self.position == self.focal_point:
+        if self.distance == 0:  # also where their difference is too small for its square
             raise ValueError("camera: position and focal_point are the same point; move one of them")
         if not any(self.view_up) or _parallel(self.direction, np.array(self.view_up)):
             raise ValueError("camera: view_up is zero or runs along the viewing direction; choose another view_up")

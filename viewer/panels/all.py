@@ -43,13 +43,9 @@ class Panels:
         imgui.set_next_window_size_constraints((SIDE_WIDTH, 0.0), (SIDE_WIDTH, height - 2 * MARGIN))
         imgui.set_next_window_bg_alpha(OPACITY)
         flags = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.no_move.value
-        if imgui.begin(
-            f"{self._keymap.chords['help'][0]} shows all keys###side"
-            if self._keymap.chords["help"]
-            else "nofacet###side",
-            None,
-            flags,
-        )[0]:
+        keys = self._keymap.chords["help"]
+        title = f"{keys[0]} shows all keys" if keys else "nofacet"
+        if imgui.begin(f"{title}###side", None, flags)[0]:
             if imgui.collapsing_header("View"):
                 show_views(self._session, self._keymap)
             if imgui.collapsing_header("Overlays"):
