@@ -53,7 +53,7 @@ class Loader:
         self._cancel, self.path, self.measured = cancel, path, measured
         self.started, self.stage = time.monotonic(), ""
         arguments = (path, resolution, measured, cancel)
-        threading.Thread(target=self._read, args=arguments, name="reading", daemon=True).start()
+        threading.Thread(target=self._read, args=arguments, name="reading").start()
 
     def cancel(self) -> None:
         """Stop reading; nothing comes of what was begun."""

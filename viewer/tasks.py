@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-NICENESS = 10
+NICENESS = 5
 Result = TypeVar("Result")
 
 
@@ -35,7 +35,7 @@ class Tasks:
             self._wake()
 
         self.running += 1
-        threading.Thread(target=task, name="task", daemon=True).start()
+        threading.Thread(target=task, name="task").start()
 
     def poll(self) -> bool:
         """Hand over what has ended; whether there was anything."""

@@ -71,10 +71,12 @@ class Window:
         self._gui: Any = GlfwRenderer(self._handle, attach_callbacks=False)
         self.resized = True  # since the caller has set it to False
         self._input: Input | None = None
+        self._at: Point = (0.0, 0.0)  # the cursor as of the last event: asking glfw gives where it is by now
 
     def attach(self, receiver: Input) -> None:
         """Tell `receiver` of all input from now on."""
         self._input = receiver
+        self._at = self._position(*glfw.get_cursor_pos(self._handle))
         glfw.set_key_callback(self._handle, self._on_key)
         glfw.set_char_callback(self._handle, self._gui.char_callback)
         glfw.set_mouse_button_callback(self._handle, self._on_button)
@@ -158,21 +160,21 @@ class Window:
         if self._input and name and action != glfw.RELEASE and not imgui.get_io().want_text_input:
             self._input.on_key(name, _modifiers(bits))
 
-    def _on_button(self, window: Any, code: int, action: int, bits: int) -> None:
+    def _on_button(self, _: Any, code: int, action: int, bits: int) -> None:
         imgui.get_io().add_mouse_button_event(code, action == glfw.PRESS)
         button = BUTTONS.get(code)
         if self._input is None or button is None:
             return
-        at = self._position(*glfw.get_cursor_pos(window))
         if action == glfw.RELEASE:
-            self._input.on_release(button, at)
+            self._input.on_release(button, self._at)
         elif not imgui.get_io().want_capture_mouse:
-            self._input.on_press(button, at, _modifiers(bits))
+            self._input.on_press(button, self._at, _modifiers(bits))
 
     def _on_cursor(self, _: Any, x: float, y: float) -> None:
         imgui.get_io().add_mouse_pos_event(x, y)
+        self._at = self._position(x, y)
         if self._input:
-            self._input.on_move(self._position(x, y))
+            self._input.on_move(self._at)
 
     def _on_scroll(self, window: Any, x: float, y: float) -> None:
         imgui.get_io().add_mouse_wheel_event(x, y)
