@@ -119,7 +119,8 @@ def test_point_at_is_on_the_ray_through_the_pixel(camera: Camera) -> None:
 @pytest.mark.parametrize("name", VIEWS)
 def test_orbit_starts_from_every_standard_view(name: str) -> None:
     direction, up = VIEWS[name]
-    camera = Camera("orthographic", tuple(-10.0 * value for value in direction), (0, 0, 0), up, view_height=1.0)
+    x, y, z = direction
+    camera = Camera("orthographic", (-10 * x, -10 * y, -10 * z), (0, 0, 0), up, view_height=1.0)
     turned = camera.orbit(10, -5 if name == "top" else 5)
     assert abs(turned.axes()[0][2]) < 1e-9
     assert turned != camera

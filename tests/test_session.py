@@ -258,7 +258,8 @@ def test_a_change_of_the_file_counts_once_it_has_settled(tmp_path: Path) -> None
 
 
 def test_tasks_hand_results_and_errors_to_who_polls() -> None:
-    tasks, results = Tasks(), []
+    tasks = Tasks()
+    results: list[object] = []
     tasks.run(lambda: 1 / 0, results.append)
     tasks.run(lambda: 7, results.append)
     end = time.monotonic() + 10

@@ -67,6 +67,18 @@ def live(app: Any, seconds: float = 0.3) -> None:
         app.step(0.01)
 
 
+def moved_from(app: Any, camera: nofacet.Camera) -> None:
+    until(app, lambda: app.session.camera is not camera)
+
+
+def view_is(app: Any, name: str) -> None:
+    until(app, lambda: app.session.state.view.value == name)
+
+
+def blinks_to(app: Any, exact: bool) -> None:
+    until(app, lambda: app.session.state.blink_exact is exact)
+
+
 def shown(app: Any) -> np.ndarray:
     """The window's pixels (height, width, 3)."""
     return app.window.pixels(app._picture)
@@ -86,7 +98,7 @@ def scenario_keys() -> None:
     ):
         before = app.session.camera
         hands.press(key)
-        until(app, lambda before=before: app.session.camera is not before)
+        moved_from(app, before)
         np.testing.assert_allclose(app.session.camera.direction, direction, atol=1e-9)
     hands.press("5")
     until(app, lambda: app.session.camera.projection == "perspective")
@@ -99,7 +111,7 @@ def scenario_keys() -> None:
     until(app, lambda: "zebra" in app.session.state.overlays)
     for key, view in (("w", "wipe"), ("d", "difference"), ("s", "side-by-side"), ("t", "tessellated"), ("e", "exact")):
         hands.press(key)
-        until(app, lambda view=view: app.session.state.view.value == view)
+        view_is(app, view)
     hands.press("Control_L", "q")
     until(app, lambda: app.closed)
     app.close()
@@ -107,7 +119,7 @@ def scenario_keys() -> None:
 
 def scenario_mouse() -> None:
     app, hands = opened(FLANGE), Hands()
-    app.panels.shown = False
+    app.on_key("Tab", frozenset())
     live(app)
     session = app.session
 
@@ -168,7 +180,7 @@ def scenario_mouse() -> None:
 def scenario_pixels() -> None:
     """The window shows what render() draws, and after a drag again."""
     app, hands = opened(FLANGE), Hands()
-    app.panels.shown = False
+    app.on_key("Tab", frozenset())
     for turn in range(2):
         rest(app)
         live(app)
@@ -186,7 +198,7 @@ def scenario_pixels() -> None:
 
 def scenario_wipe() -> None:
     app, hands = opened(FLANGE, view="wipe"), Hands()
-    app.panels.shown = False
+    app.on_key("Tab", frozenset())
     until(app, lambda: app.session.tessellated.result is not None)
     camera = app.session.camera
     hands.move(320, 100)
@@ -200,6 +212,14 @@ def scenario_wipe() -> None:
     live(app)
     assert app.session.state.wipe == pytest.approx(0.75, abs=0.01)
     assert app.session.camera is camera
+    until(app, lambda: app.session.tessellated.difference is not None)
+    mesh, error = app.session.tessellated.result.mesh, app.session.tessellated.difference.error
+    assert 0 < error.largest < 5
+    app.session.tessellated.choice = "FreeCAD"
+    app.session.mesh()
+    until(app, lambda: app.session.tessellated.result.mesh is not mesh)
+    until(app, lambda: app.session.tessellated.difference is not None)
+    assert app.session.tessellated.difference.error.largest > error.largest  # a coarser mesh
     app.close()
 
 
@@ -207,7 +227,7 @@ def scenario_blink() -> None:
     app = opened(FLANGE, view="blink")
     until(app, lambda: app.session.tessellated.result is not None)
     for side in (True, False, True):
-        until(app, lambda side=side: app.session.state.blink_exact is side)
+        blinks_to(app, side)
     app.close()
 
 
@@ -252,7 +272,7 @@ def scenario_watch(folder: str) -> None:
     faces = app.session.model.face_count
     app.on_key("1", frozenset())
     before = app.session.camera
-    until(app, lambda: app.session.camera is not before)
+    moved_from(app, before)
     app.session.wheel(5.0)
     camera = app.session.camera
     shutil.copy(BALLOON, path)
@@ -301,7 +321,7 @@ def scenario_pictures(folder: str) -> None:
 
 def scenario_appearance() -> None:
     app = opened(FLANGE)
-    app.panels.shown = False
+    app.on_key("Tab", frozenset())
     appearance = app.session.appearance
     handle = np.flatnonzero(appearance.color[:, 0] > 2 * appearance.color[:, 1])  # is red in the file
     rest(app)

@@ -187,8 +187,9 @@ class App:
         elif latest and latest.request.model is session.drawn:
             session.exact = latest
             self._touch()
-            if latest.is_full and session.state.view.shows_mesh and session.drawn:
-                session.tessellated.compare(session.drawn, latest.request.camera, latest.request.resolution)
+        exact = session.exact
+        if exact and exact.is_full and exact.request.model is session.drawn and session.state.view.shows_mesh:
+            session.tessellated.compare(exact.request.model, exact.request.camera, exact.request.resolution)
 
     def _request(self) -> Request | None:
         """What the exact picture is to be now."""

@@ -17,7 +17,7 @@ PIXEL_RANGE = (0.03, 10.0)
 POLL_SECONDS = 0.05  # between looks whether a mesh is there
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Subject:
     """What an outline was compared for."""
 
@@ -25,6 +25,11 @@ class Subject:
     mesh: nofacet.Mesh
     camera: nofacet.Camera
     resolution: tuple[int, int]
+
+    def is_same(self, other: Subject) -> bool:
+        """Whether both would give the same comparison; models and meshes are the same only if they are one object."""
+        same = self.model is other.model and self.mesh is other.mesh
+        return same and (self.camera, self.resolution) == (other.camera, other.resolution)
 
 
 class Tessellated:
@@ -81,7 +86,7 @@ class Tessellated:
         if self.result is None or self._tasks.running:
             return
         subject = Subject(model, self.result.mesh, camera, resolution)
-        if self._compared is not None and subject == self._compared:
+        if self._compared is not None and subject.is_same(self._compared):
             return
         self._compared = subject
 

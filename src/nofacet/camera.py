@@ -250,7 +250,7 @@ class Camera:
         move = (y * up - x * right) * self.extent_at(self.distance) / resolution[1]
         return self._moved(move, move)
 
-    def zoom(self, factor: float, about: Sequence[float] | None = None) -> Camera:
+    def zoom(self, factor: float, about: Sequence[float] | NDArray[np.float64] | None = None) -> Camera:
         """This camera with the picture `factor` times as large round the world point `about`, which stays in place.
 
         In perspective the eye comes that much nearer to the point; None: the focal point. Raises ValueError for a
@@ -267,7 +267,7 @@ class Camera:
         along = towards[0] - (towards[0] @ self.direction) * self.direction
         return replace(self._moved(along, along), view_height=self.view_height / factor)
 
-    def centre_on(self, point: Sequence[float]) -> Camera:
+    def centre_on(self, point: Sequence[float] | NDArray[np.float64]) -> Camera:
         """This camera moved sideways until the world point, its new focal point, is in the picture's middle.
 
         Raises ValueError for a point that is not in front of a perspective camera.

@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 MARGIN = 8.0  # pixels between a panel and the window's border
 SIDE_WIDTH = 300.0
-OPACITY = 0.82
+OPACITY = 0.9
 PLAIN = (
     imgui.WindowFlags_.no_decoration.value
     | imgui.WindowFlags_.always_auto_resize.value
