@@ -71,7 +71,6 @@ def judge(path: Path, seed: int, samples: int, resolution: tuple[int, int], thre
     """One record a camera: check_frame's result, the file, the camera, stage times and the frame's statistics."""
     sys.path.insert(0, str(SHARED / "oracle"))
     import check_frame  # type: ignore[import-not-found]
-
     import run  # type: ignore[import-not-found]
 
     shape = check_frame.load(path)
