@@ -142,7 +142,8 @@ class App:
         self.session.release(button, at)
 
     def on_move(self, at: Point) -> None:
-        self._touch()
+        if self.session.controls.drag is None:  # else panels stay as they are: what moves is the picture
+            self._touch()
         self.session.move(at)
 
     def on_wheel(self, notches: float, modifiers: frozenset[str]) -> None:
@@ -186,7 +187,7 @@ class App:
             self._touch()
         elif latest and latest.request.model is session.drawn:
             session.exact = latest
-            self._touch()
+            self._frames_due = max(self._frames_due, 1)
         exact = session.exact
         if exact and exact.is_full and exact.request.model is session.drawn and session.state.view.shows_mesh:
             session.tessellated.compare(exact.request.model, exact.request.camera, exact.request.resolution)
