@@ -1,5 +1,5 @@
 # make setup   everything a fresh Debian machine needs: system packages, .venv, the native module
-# make demo    render a real STEP file and show the picture
+# make demo    show a real STEP file in the window; without a display, render it to a picture
 # make test    setup, then lint, types, formatting and all tests
 # make build   rebuild the native module after a change in src/native (incremental)
 # make oracle  every model and camera against OpenCascade, ray by ray (long)
@@ -45,9 +45,12 @@ $(VENV)/.native: $(VENV)/.packages CMakeLists.txt $(CXX_SOURCES)
 
 demo: setup
 	@mkdir -p $(dir $(DEMO_PICTURE))
-	$(VENV)/bin/nofacet render $(DEMO_MODEL) --output=$(DEMO_PICTURE) --camera-direction=iso --edges
-	@echo "the picture: $(DEMO_PICTURE)"
-	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ] && command -v xdg-open >/dev/null; then xdg-open $(DEMO_PICTURE); fi
+	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ]; then \
+	    $(VENV)/bin/nofacet view $(DEMO_MODEL); \
+	else \
+	    $(VENV)/bin/nofacet render $(DEMO_MODEL) --output=$(DEMO_PICTURE) --camera-direction=iso --edges && \
+	    echo "the picture: $(DEMO_PICTURE)"; \
+	fi
 
 test: lint pytest
 

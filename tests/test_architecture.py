@@ -40,6 +40,14 @@ def test_only_the_viewer_opens_windows() -> None:
     assert guilty == [Path("src/nofacet/bench/gl.py")]  # draws off screen
 
 
+def test_the_viewer_uses_the_public_api_only() -> None:
+    private = re.compile(r"(from nofacet(\.\w+)* import .*\b_|nofacet\._|from nofacet\.(cad|bench)\b|nofacet\.cad\.)")
+    sources = list((ROOT / "viewer").rglob("*.py"))
+    assert sources
+    assert not [path.relative_to(ROOT) for path in sources if private.search(path.read_text(encoding="utf-8"))]
+    assert not [path for path in sources if imported_modules(path) & {"OCP", "cadquery", "build123d"}]
+
+
 def test_only_bindings_include_nanobind() -> None:
     native = ROOT / "src" / "native"
     sources = [path for path in native.rglob("*") if path.suffix in (".h", ".cpp")]

@@ -137,7 +137,7 @@ def test_camera_options(stand: Stand) -> None:
     ("arguments", "message"),
     [
         (["rendr", "part.step"], "unknown command 'rendr'; did you mean render?"),
-        (["part.step"], "unknown command 'part.step'; the commands are render, info, bench"),
+        (["part.step"], "unknown command 'part.step'; the commands are render, view, info, bench"),
         (["render", "part.step"], "--output"),
         (["render", "--output=a.png"], "MODEL"),
         (["render", "a.step", "b.step", "--output=a.png"], "unexpected argument 'b.step'"),

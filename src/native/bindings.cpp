@@ -7,6 +7,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -90,8 +91,15 @@ Model model_view(Kept& kept, nb::handle source) {
 
 void init_scene(BoundScene* self, nb::handle source) {
   new (self) BoundScene();
-  self->scene = std::make_unique<Scene>(model_view(self->kept, source));
+  Model model = model_view(self->kept, source);
+  nb::gil_scoped_release release;
+  self->scene = std::make_unique<Scene>(std::move(model));
 }
+
+// Set by one thread, read by those that work.
+struct Cancel {
+  std::atomic<bool> set{false};
+};
 
 // A numpy array that owns a vector.
 template <class T, class Shape>
@@ -127,7 +135,12 @@ nb::tuple surface_points_of(nb::handle source) {
 auto support_of(nb::handle source, Array<double, nb::shape<-1, 3>> directions) {
   Kept kept;
   const Model model = model_view(kept, source);
-  return owned(support(model, surface_points(model), directions.data(), directions.shape(0)));
+  std::vector<double> reach;
+  {
+    nb::gil_scoped_release release;
+    reach = support(model, surface_points(model), directions.data(), directions.shape(0));
+  }
+  return owned(std::move(reach));
 }
 
 template <class T>
@@ -154,8 +167,8 @@ Camera make_camera(std::tuple<double, double, double> eye, Array<double, nb::sha
 nb::dict render(const BoundScene& bound, const std::string& method_name, std::tuple<double, double, double> eye,
                 Array<double, nb::shape<3, 3>> axes, double scale, bool perspective, int width, int height, int samples,
                 int threads, bool edges, bool shadows, double reflectance, Array<double, nb::shape<-1, 2, 3>> sections,
-                Buffer<float> color, Buffer<float> coverage, Buffer<double> depth, Buffer<int32_t> face,
-                Buffer<double> uv, Buffer<float> normal) {
+                const Cancel* cancel, Buffer<float> color, Buffer<float> coverage, Buffer<double> depth,
+                Buffer<int32_t> face, Buffer<double> uv, Buffer<float> normal) {
   const Method* method = find_method(method_name);
   if (!method) throw std::invalid_argument("unknown method " + method_name);
   const Camera camera = make_camera(eye, axes, scale, perspective, width, height);
@@ -167,7 +180,7 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
                     data_or_null(face),
                     data_or_null(uv),
                     data_or_null(normal)};
-  RenderOptions options{samples, threads, edges, shadows, reflectance, {}};
+  RenderOptions options{samples, threads, edges, shadows, reflectance, {}, cancel ? &cancel->set : nullptr};
   for (std::size_t k = 0; k < sections.shape(0); ++k) {
     SectionPlane& plane = options.sections.emplace_back();
     std::copy_n(sections.data() + 6 * k, 3, plane.origin);
@@ -179,6 +192,7 @@ nb::dict render(const BoundScene& bound, const std::string& method_name, std::tu
     stats = method->render(*bound.scene, camera, options, frame);
   }
   nb::dict result;
+  result["cancelled"] = options.cancelled();
   result["project_seconds"] = stats.project_seconds;
   result["subdivide_seconds"] = stats.subdivide_seconds;
   result["span_seconds"] = stats.span_seconds;
@@ -441,11 +455,17 @@ bool casts_secondary_rays(const std::string& name) {
 
 NB_MODULE(_native, module) {
   module.doc() = "nofacet's native renderer: patches and trim loops in, pixel buffers out.";
+  nb::class_<Cancel>(module, "Cancel",
+                     "Stops renderings and readings that were given it, from another thread and for good.")
+      .def(nb::init<>())
+      .def(
+          "set", [](Cancel& cancel) { cancel.set = true; }, "Ask whatever was given this object to stop.")
+      .def("is_set", [](const Cancel& cancel) { return cancel.set.load(); }, "Whether set() was called.");
   nb::class_<BoundScene>(module, "Scene", "A model prepared for drawing; looks into the model's arrays.")
       .def("__init__", &init_scene, nb::arg("model"))
       .def("render", &render, nb::arg("method"), nb::arg("eye"), nb::arg("axes"), nb::arg("scale"),
            nb::arg("perspective"), nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"),
-           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("sections"),
+           nb::arg("edges"), nb::arg("shadows"), nb::arg("reflectance"), nb::arg("sections"), nb::arg("cancel").none(),
            nb::arg("color") = nb::none(), nb::arg("coverage") = nb::none(), nb::arg("depth") = nb::none(),
            nb::arg("face") = nb::none(), nb::arg("uv") = nb::none(), nb::arg("normal") = nb::none(),
            "Fill the given buffers (see CONTRACT: shapes (height, width[, channels])); returns the stage statistics.")

@@ -1,5 +1,6 @@
 // The interface of a rendering method and the one table of them.
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ struct RenderOptions {
   bool shadows = false;      // only methods that cast secondary rays
   double reflectance = 0.0;  // in [0, 1); the same
   std::vector<SectionPlane> sections;
+  // Not owned, may be null. Once true, the method returns before it begins another band; the frame is then unfinished.
+  const std::atomic<bool>* cancel = nullptr;
+
+  bool cancelled() const { return cancel && cancel->load(); }
 };
 
 // What a frame cost and met. Seconds are wall-clock, summed over the threads.

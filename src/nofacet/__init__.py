@@ -1,9 +1,10 @@
 """nofacet: a CAD viewer with no facets. Draws STEP and BREP faces as trimmed rational Bezier patches, exactly."""
 
+from ._native import Cancel
 from .cad.load import load
 from .camera import Camera
 from .combine import combine
-from .errors import InputError
+from .errors import Cancelled, InputError
 from .evaluate import SurfacePoints, evaluate
 from .frame import Frame
 from .measure import Measurement, measure
@@ -19,6 +20,8 @@ from .tessellation import tessellate
 __all__ = [
     "MESH_SETTINGS",
     "Camera",
+    "Cancel",
+    "Cancelled",
     "Frame",
     "InputError",
     "Measurement",

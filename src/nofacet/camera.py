@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-
-from .extent import support
 
 if TYPE_CHECKING:
     from .model import Model
@@ -22,6 +20,8 @@ Projection = Literal["orthographic", "perspective"]
 METADATA_KEY = "nofacet:camera"  # where image files carry the camera
 DEFAULT_VIEW_ANGLE = 30.0  # degrees
 DEFAULT_ZOOM = 0.9  # the model fills this part of the picture
+
+SIDEWAYS = 1e-9  # |cosine| of the angle between up and an axis below which rounding alone decides its sign
 
 # Standard views: name -> (direction from the eye into the scene, up).
 VIEWS: dict[str, tuple[Vector, Vector]] = {
@@ -68,7 +68,7 @@ class Camera:
         if value <= 0 or (extent == "view_angle" and value >= 180):
             limit = "between 0 and 180 degrees" if extent == "view_angle" else "positive"
             raise ValueError(f"camera: {extent} is {value:g}; it must be {limit}")
-        if self.position == self.focal_point:
+        if self.distance == 0:  # also where their difference is too small for its square
             raise ValueError("camera: position and focal_point are the same point; move one of them")
         if not any(self.view_up) or _parallel(self.direction, np.array(self.view_up)):
             raise ValueError("camera: view_up is zero or runs along the viewing direction; choose another view_up")
@@ -77,6 +77,11 @@ class Camera:
     def direction(self) -> NDArray[np.float64]:
         """Unit vector (3,) from the eye into the scene."""
         return _unit(np.subtract(self.focal_point, self.position))
+
+    @property
+    def distance(self) -> float:
+        """From the eye to the focal point, model units."""
+        return float(np.linalg.norm(np.subtract(self.focal_point, self.position)))
 
     def axes(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Unit vectors (3,) in the world that point right, up and forward in the picture."""
@@ -186,6 +191,8 @@ class Camera:
 
         Raises InputError for a model without surfaces, ValueError for a zero direction or a zoom that is not positive.
         """
+        from .camera_fit import fit_orthographic, fit_perspective
+
         zoom = _number("zoom", zoom)
         if zoom <= 0:
             raise ValueError(f"camera: zoom is {zoom:g}; it must be positive")
@@ -199,8 +206,8 @@ class Camera:
         )
         aspect = resolution[0] / resolution[1]
         if projection == "orthographic":
-            return _fit_orthographic(model, forward, up, aspect, zoom)
-        return _fit_perspective(model, forward, up, aspect, _number("view_angle", view_angle), zoom)
+            return fit_orthographic(model, forward, up, aspect, zoom)
+        return fit_perspective(model, forward, up, aspect, _number("view_angle", view_angle), zoom)
 
     def extent_at_unit_depth(self) -> float:
         """Height of the picture in the world: anywhere (orthographic), or at depth 1 (perspective)."""
@@ -209,6 +216,95 @@ class Camera:
             return self.view_height
         assert self.view_angle is not None
         return 2 * float(np.tan(np.radians(self.view_angle) / 2))
+
+    def extent_at(self, depth: float) -> float:
+        """Height of the picture in the world at a depth, model units."""
+        return self.extent_at_unit_depth() * (depth if self.projection == "perspective" else 1.0)
+
+    def orbit(self, azimuth: float, elevation: float, axis: Vector = (0.0, 0.0, 1.0)) -> Camera:
+        """This camera led round its focal point.
+
+        azimuth: degrees round `axis`, anticlockwise seen from the axis's tip. elevation: degrees up along the picture's
+        vertical; it ends where the camera would pass over the axis's tip or foot and turn the world upside down.
+        """
+        right, up, forward = self.axes()
+        pole = _unit(np.array(axis, float))
+        side = -1.0 if up @ pole < -SIDEWAYS else 1.0
+        # The picture's vertical stays on its side of the pole: up' . pole = up . pole cos e + forward . pole sin e.
+        rise, ahead = max(0.0, side * float(up @ pole)), side * float(forward @ pole)
+        reach = np.degrees(np.arctan2(rise, -ahead)), np.degrees(np.arctan2(rise, ahead))
+        angle = float(np.clip(elevation, -reach[1], reach[0]))
+        turn = _rotation(pole, azimuth) @ _rotation(right, -angle)
+        position = np.array(self.focal_point) - self.distance * (turn @ forward)
+        return replace(self, position=as_vector(position), view_up=as_vector(turn @ up))
+
+    def pan(self, x: float, y: float, resolution: tuple[int, int]) -> Camera:
+        """This camera moved so that the focal point's surroundings go x pixels to the right and y down."""
+        right, up, _ = self.axes()
+        move = (y * up - x * right) * self.extent_at(self.distance) / resolution[1]
+        return self._moved(move, move)
+
+    def zoom(self, factor: float, about: Sequence[float] | NDArray[np.float64] | None = None) -> Camera:
+        """This camera with the picture `factor` times as large round the world point `about`, which stays in place.
+
+        In perspective the eye comes that much nearer to the point; None: the focal point. Raises ValueError for a
+        factor that is not positive, or so large that no camera is left.
+        """
+        factor = _number("zoom factor", factor)
+        if factor <= 0:
+            raise ValueError(f"camera: zoom factor is {factor:g}; it must be positive")
+        centre = np.array(self.focal_point if about is None else _vector("about", about))
+        towards = (1 - 1 / factor) * (centre - self.position), (1 - 1 / factor) * (centre - self.focal_point)
+        if self.projection == "perspective":
+            return self._moved(*towards)
+        assert self.view_height is not None
+        along = towards[0] - (towards[0] @ self.direction) * self.direction
+        return replace(self._moved(along, along), view_height=self.view_height / factor)
+
+    def centre_on(self, point: Sequence[float] | NDArray[np.float64]) -> Camera:
+        """This camera moved sideways until the world point, its new focal point, is in the picture's middle.
+
+        Raises ValueError for a point that is not in front of a perspective camera.
+        """
+        target = np.array(_vector("point", point))
+        depth = float((target - self.position) @ self.direction)
+        if self.projection == "orthographic":  # the eye may be anywhere on the line of sight
+            depth = self.distance
+        elif depth <= 0:
+            raise ValueError("camera: the point is behind the eye; it cannot be the picture's middle")
+        return replace(self, position=as_vector(target - depth * self.direction), focal_point=as_vector(target))
+
+    def with_projection(self, projection: Projection, view_angle: float = DEFAULT_VIEW_ANGLE) -> Camera:
+        """This camera in another projection, in which what is as far away as the focal point keeps its size.
+
+        view_angle: degrees, vertical, for a camera that becomes perspective: its eye moves to where that fits.
+        """
+        if projection == self.projection:
+            return self
+        height = self.extent_at(self.distance)
+        if projection == "orthographic":
+            return replace(self, projection=projection, view_height=height, view_angle=None)
+        distance = height / (2 * float(np.tan(np.radians(view_angle) / 2)))
+        position = as_vector(np.array(self.focal_point) - distance * self.direction)
+        return replace(self, projection=projection, position=position, view_height=None, view_angle=view_angle)
+
+    def point_at(
+        self, pixel: tuple[float, float], resolution: tuple[int, int], depth: float | None = None
+    ) -> NDArray[np.float64]:
+        """World point (3,) under a pixel position (x, y), at a depth; None: the focal point's."""
+        depth = self.distance if depth is None else depth
+        right, up, forward = self.axes()
+        width, height = resolution
+        x, y = (pixel[0] - width / 2) / height, (height / 2 - pixel[1]) / height
+        return np.array(self.position) + self.extent_at(depth) * (x * right + y * up) + depth * forward
+
+    def _moved(self, position: NDArray[np.float64], focal_point: NDArray[np.float64]) -> Camera:
+        """This camera with both points moved."""
+        return replace(
+            self,
+            position=as_vector(np.array(self.position) + position),
+            focal_point=as_vector(np.array(self.focal_point) + focal_point),
+        )
 
 
 def _text_of_picture(path: Path) -> str:
@@ -225,48 +321,6 @@ def _text_of_picture(path: Path) -> str:
     return text
 
 
-def _fit_orthographic(model: Model, forward: NDArray[np.float64], up: Vector, aspect: float, zoom: float) -> Camera:
-    right, true_up, _ = Camera("orthographic", (0.0, 0.0, 0.0), _tuple(forward), up, view_height=1.0).axes()
-    basis = np.stack([right, true_up, forward])
-    middle, size = _box(support(model, [*basis, *-basis]))
-    focal_point = middle @ basis
-    radius = float(np.linalg.norm(size)) / 2 or 1.0
-    height = max(size[1], size[0] / aspect) or 2 * radius  # a single point or line of sight still makes a picture
-    return Camera("orthographic", _tuple(focal_point - 2 * radius * forward), _tuple(focal_point), up, height / zoom)
-
-
-def _fit_perspective(
-    model: Model, forward: NDArray[np.float64], up: Vector, aspect: float, view_angle: float, zoom: float
-) -> Camera:
-    half = float(np.tan(np.radians(view_angle) / 2))
-    camera = Camera("perspective", (0.0, 0.0, 0.0), _tuple(forward), up, view_angle=view_angle)
-    basis = np.stack(camera.axes())
-    slopes = [half * aspect * min(zoom, 1.0), half * min(zoom, 1.0)]
-    # The four sides of the view's pyramid each touch the model: |x - eye_x| <= slope * (z - eye_z) for all points.
-    sides = [sign * basis[axis] - slope * basis[2] for axis, slope in enumerate(slopes) for sign in (1, -1)]
-    reach = support(model, [*basis, *-basis, *sides])
-    middle, size = _box(reach[:6])
-    radius = float(np.linalg.norm(size)) / 2 or 1.0
-    eye = np.zeros(3)  # in the basis, from the middle
-    depth_limits = []
-    for axis, slope in enumerate(slopes):
-        high, low = reach[6 + 2 * axis : 8 + 2 * axis] - (middle[axis], -middle[axis]) + slope * middle[2]
-        eye[axis] = (high - low) / 2
-        depth_limits.append(-(high + low) / (2 * slope))
-    eye[2] = min(*depth_limits, -size[2] / 2 - 1e-3 * radius)  # in front of the model even if it is flat
-    focal_point = np.array([eye[0], eye[1], 0.0])
-    if zoom > 1:
-        view_angle = float(np.degrees(2 * np.arctan(half / zoom)))
-    return Camera(
-        "perspective", _tuple((eye + middle) @ basis), _tuple((focal_point + middle) @ basis), up, view_angle=view_angle
-    )
-
-
-def _box(reach: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Middle and size (3,), (3,) of a box, from how far it reaches along three directions and their opposites (6,)."""
-    return (reach[:3] - reach[3:]) / 2, reach[:3] + reach[3:]
-
-
 def _parallel(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     """Whether two vectors are parallel to within 1e-6 radians: then they do not span a picture."""
     return float(np.linalg.norm(np.cross(a, b))) <= 1e-6 * float(np.linalg.norm(a) * np.linalg.norm(b))
@@ -276,7 +330,15 @@ def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
     return vector / np.linalg.norm(vector)
 
 
-def _tuple(vector: NDArray[np.float64]) -> Vector:
+def _rotation(axis: NDArray[np.float64], degrees: float) -> NDArray[np.float64]:
+    """Matrix (3, 3) that turns anticlockwise round a unit vector (Rodrigues' formula)."""
+    angle = np.radians(degrees)
+    cross = np.cross(np.eye(3), axis)
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+def as_vector(vector: NDArray[np.float64]) -> Vector:
+    """An array (3,) as a camera keeps it."""
     x, y, z = (float(value) for value in vector)
     return x, y, z
 

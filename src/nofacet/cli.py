@@ -1,4 +1,4 @@
-"""The command line: `nofacet render`, `nofacet info` and `nofacet bench`.
+"""The command line: `nofacet render`, `nofacet view`, `nofacet info` and `nofacet bench`.
 
 Exit status: 0 done, 1 the input could not be shown or the picture not be written, 2 wrong usage.
 """
@@ -25,6 +25,7 @@ from .cli_options import (
     add_bench_options,
     add_info_options,
     add_render_options,
+    add_view_options,
     did_you_mean,
     vector,
 )
@@ -36,6 +37,7 @@ from .summary import summary
 WHITE = (1.0, 1.0, 1.0)
 INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
 BROKEN_PIPE = 141  # the same for one whose reader went away
+VIEWER_MODULES = ("nofacet_viewer", "glfw", "imgui_bundle", "moderngl", "OpenGL")
 CLEAR_LINE = "\r\x1b[K"
 
 
@@ -77,6 +79,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     subparsers = parser.add_subparsers(metavar="COMMAND", dest="command", parser_class=Parser)
     for name, add_options, run, text in (
         ("render", add_render_options, _render, "draw a STEP or BREP file into a picture"),
+        ("view", add_view_options, _view, "show STEP or BREP files in a window, exact and tessellated"),
         ("info", add_info_options, _info, "say what is in a STEP or BREP file"),
         ("bench", add_bench_options, _bench, "measure speed and error of exact pictures and of triangles"),
     ):
@@ -151,6 +154,32 @@ def _render(options: argparse.Namespace) -> int:
         else:
             frame.save(output, options.buffers)
     return 1 if options.strict and (model.warnings or incomplete or warnings) else 0
+
+
+def _view(options: argparse.Namespace) -> int:
+    camera = _camera_file(options.camera) if options.camera else None
+    if options.output and (options.watch or len(options.models) != 1):
+        raise UsageError("--output draws one model once; give one MODEL and leave out --watch")
+    try:
+        from nofacet_viewer.state import View
+
+        known = {view.value: view for view in View}
+        if options.view not in known:
+            meant = did_you_mean(options.view, list(known)) or f"; the views are {' '.join(known)}"
+            raise UsageError(f"--view: unknown view {options.view!r}{meant}")
+        if options.output:
+            from nofacet_viewer.offscreen import write_view
+
+            write_view(options.models[0], options.output, options.view, options.resolution, camera)
+        else:
+            from nofacet_viewer.app import Options, view
+
+            view(Options(options.models, known[options.view], camera, options.resolution, options.watch))
+    except ModuleNotFoundError as error:
+        if (error.name or "").split(".")[0] not in VIEWER_MODULES:
+            raise
+        raise InputError(f"the viewer needs the module {error.name}: pip install 'nofacet[viewer]'") from None
+    return 0
 
 
 def _say_stats(stats: Mapping[str, Any]) -> None:
@@ -230,12 +259,16 @@ def _camera_from_file(options: argparse.Namespace) -> Camera | None:
         return None
     if given:
         raise UsageError(f"--camera holds the whole camera; leave out --camera-{given[0].replace('_', '-')}")
+    return _camera_file(options.camera)
+
+
+def _camera_file(path: str) -> Camera:
     try:
-        return Camera.load(options.camera)
+        return Camera.load(path)
     except ValueError as error:
         raise UsageError(str(error)) from None
     except OSError as error:
-        raise UsageError(f"{options.camera}: {error.strerror or error}") from None
+        raise UsageError(f"{path}: {error.strerror or error}") from None
 
 
 def _direction(text: str) -> tuple[float, ...]:

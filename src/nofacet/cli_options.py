@@ -148,6 +148,17 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
     add_common_options(parser)
 
 
+def add_view_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("models", nargs="*", metavar="MODEL", help="STEP or BREP files; the arrow keys step through them")
+    add("--watch", action="store_true", help="read the file again when it changes")
+    add("--view", default="side-by-side", metavar="NAME", help="how both sides are shown (default: side-by-side)")
+    add("--camera", metavar="FILE", help="a camera file (JSON), or a picture that nofacet made")
+    add("--resolution", type=_resolution, default=(1280, 720), metavar="W,H", help="in pixels (default: 1280,720)")
+    add("--output", metavar="FILE", help="draw into this .png file without a window, and quit")
+    _add_verbose(parser)
+
+
 def _numbers(text: str, count: int, example: str) -> tuple[float, ...]:
     try:
         values = tuple(float(part) for part in text.split(","))

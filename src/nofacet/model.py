@@ -8,7 +8,7 @@ faces and edge uses.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,3 +139,22 @@ class Model:
         for group in self.groups:
             patches += np.bincount(group.definition, minlength=self.definition_count)
         return int(patches[self.face_definition].sum())
+
+    def showing(self, visible: NDArray[np.bool_]) -> Model:
+        """This model without the faces for which `visible` (F,) is False; those that stay keep their indices.
+
+        The others get a definition that has no patches, and a colour of opacity 0; bodies that lose faces are open.
+        """
+        nothing = self.definition_count
+        body = np.repeat(np.arange(len(self.body_closed)), np.diff(self.body_offsets))
+        hidden = np.bincount(body[~visible[self.body_face]], minlength=len(self.body_closed))
+        return replace(
+            self,
+            surface_type=[*self.surface_type, "other"],
+            trimmed=np.append(self.trimmed, np.uint8(0)),
+            definition_loops=np.append(self.definition_loops, self.definition_loops[-1]),
+            conversion_error=np.append(self.conversion_error, 0.0),
+            face_definition=np.where(visible, self.face_definition, np.int32(nothing)),
+            face_color=np.where(visible[:, None], self.face_color, np.float32(0)),
+            body_closed=np.where(hidden == 0, self.body_closed, np.uint8(0)),
+        )

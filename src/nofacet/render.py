@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _native
 from .camera import Camera
-from .errors import InputError
+from .errors import Cancelled, InputError
 from .frame import BUFFERS, Frame
 from .model import Model
 from .scene import scene_of
@@ -38,6 +38,7 @@ def render(
     shadows: bool = False,
     reflectance: float = 0.0,
     sections: Sequence[Section] = (),
+    cancel: _native.Cancel | None = None,
 ) -> Frame:
     """Draw `model` as `camera` sees it.
 
@@ -55,7 +56,10 @@ def render(
         in the planes, in the colour of most of their faces; on a cap `face` is -2 - (the plane's index), `normal` the
         plane's and `uv` NaN. Bodies that are not closed are cut open: `stats["warnings"]` has a line for each that is.
 
-    Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw.
+    cancel: once another thread has called its `set()`, drawing ends with the bands of rows that were begun. The
+        interpreter's lock is free while a frame is drawn.
+
+    Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw, Cancelled.
     The frame's `stats` hold the stages' times in seconds and counts.
     """
     check_request(resolution, method, samples, threads, buffers, shadows, reflectance, sections)
@@ -86,8 +90,11 @@ def render(
         shadows=shadows,
         reflectance=reflectance,
         sections=np.array([(plane.origin, plane.normal) for plane in sections], float).reshape(-1, 2, 3),
+        cancel=cancel,
         **arrays,
     )
+    if stats.pop("cancelled"):
+        raise Cancelled("the frame was called off")
     if sections:
         stats["warnings"] = uncapped_warnings(model, stats.pop("uncapped_faces"))
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)

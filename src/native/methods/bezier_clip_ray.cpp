@@ -49,14 +49,15 @@ std::vector<std::vector<const RayPatch*>> sort_into_bands(const RayScene& rays, 
   return bands;
 }
 
-void paint_band(TilePainter& painter, const std::vector<const RayPatch*>& patches, int band, const Frame& frame) {
+void paint_band(TilePainter& painter, const std::vector<const RayPatch*>& patches, int band,
+                const RenderOptions& options, const Frame& frame) {
   constexpr int kTile = TilePainter::kTile;
   std::vector<std::vector<const RayPatch*>> tiles((frame.width + kTile - 1) / kTile);
   for (const RayPatch* patch : patches) {
     const TileRange range(patch->x, frame.width);
     for (int tile = range.first; tile <= range.last; ++tile) tiles[tile].push_back(patch);
   }
-  for (int tile = 0; tile < int(tiles.size()); ++tile) {
+  for (int tile = 0; tile < int(tiles.size()) && !options.cancelled(); ++tile) {
     painter.paint({tile * kTile, std::min(frame.width, (tile + 1) * kTile), band * kTile,
                    std::min(frame.height, (band + 1) * kTile)},
                   tiles[tile]);
@@ -79,8 +80,10 @@ RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, con
   for (int k = 0; k < options.threads; ++k) {
     painters.push_back(std::make_unique<TilePainter>(scene, camera, rays, options, tree ? &*tree : nullptr, frame));
   }
-  parallel_for(bands.size(), options.threads,
-               [&](std::size_t band, int thread) { paint_band(*painters[thread], bands[band], int(band), frame); });
+  parallel_for(
+      bands.size(), options.threads,
+      [&](std::size_t band, int thread) { paint_band(*painters[thread], bands[band], int(band), options, frame); },
+      options.cancel);
   for (const auto& painter : painters) {
     stats.pieces += painter->clipper().leaves();
     stats.unresolved += painter->clipper().unresolved();
@@ -92,7 +95,7 @@ RenderStats render_bezier_clip_ray(const Scene& scene, const Camera& camera, con
   }
   watch.lap(stats.trace_seconds);
 
-  if (options.edges && frame.color && frame.depth) {
+  if (options.edges && frame.color && frame.depth && !options.cancelled()) {
     draw_edge_lines(scene, camera, options.threads, frame);
     watch.lap(stats.edge_seconds);
   }

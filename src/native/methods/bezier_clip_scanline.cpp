@@ -36,10 +36,11 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
   for (int k = 0; k < options.threads; ++k) {
     painters.emplace_back(scene, camera, planes, patches, sections ? &*sections : nullptr, k, frame);
   }
-  parallel_for(bands.size(), options.threads, [&](std::size_t band, int thread) {
+  const auto paint = [&](std::size_t band, int thread) {
     const int first = int(band) * kBandRows;
     painters[thread].paint(first, std::min(frame.height, first + kBandRows), bands[band]);
-  });
+  };
+  parallel_for(bands.size(), options.threads, paint, options.cancel);
   stats.pieces = patches.piece_count();
   stats.unresolved = patches.unresolved();
   stats.unresolved_faces = patches.unresolved_faces();
@@ -52,7 +53,7 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
     stats.average_seconds += painter.times().average;
   }
 
-  if (options.edges && frame.color && frame.depth) {
+  if (options.edges && frame.color && frame.depth && !options.cancelled()) {
     watch.restart();
     draw_edge_lines(scene, camera, options.threads, frame, sections ? &*sections : nullptr);
     watch.lap(stats.edge_seconds);

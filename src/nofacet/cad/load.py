@@ -6,12 +6,15 @@ import os
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nofacet import cache
 from nofacet.cad.formats import file_format
 from nofacet.cad.worker import read_in_worker
 from nofacet.model import Model
+
+if TYPE_CHECKING:
+    from nofacet._native import Cancel
 
 
 def load(
@@ -19,6 +22,7 @@ def load(
     timeout: float = 300.0,
     progress: Callable[[str], None] | bool | None = None,
     measure: bool = False,
+    cancel: Cancel | None = None,
 ) -> Model:
     """Load a CAD model.
 
@@ -30,15 +34,16 @@ def load(
     progress: called once a second with a line of text while a file is read; True: write it to standard error.
     measure: compare every patch with OpenCascade's surface and every edge with the curve that trims, and fill
         Model.conversion_error, edge_use_face, edge_use_deviation and edge_use_tolerance.
+    cancel: once another thread has called its `set()`, reading a file ends within a twentieth of a second.
 
     Lengths are in mm for STEP files (OpenCascade converts), else as in the source. Colours are linear RGBA.
-    Raises InputError (one line: what is wrong, what to do) if there is nothing to show. What is lost of a model that
-    can be shown is named in Model.warnings.
+    Raises InputError (one line: what is wrong, what to do) if there is nothing to show, Cancelled if it was called
+    off. What is lost of a model that can be shown is named in Model.warnings.
     """
     if isinstance(source, (str, os.PathLike)):
         path = os.fsdecode(source)
         file_format(path)  # refuses at once what needs no OpenCascade to be refused
-        return _file(path, timeout, write_progress if progress is True else progress or None, measure)
+        return _file(path, timeout, write_progress if progress is True else progress or None, measure, cancel)
     from nofacet.cad.convert import convert
     from nofacet.cad.objects import cad_object
 
@@ -51,13 +56,15 @@ def load(
     return model
 
 
-def _file(path: str, timeout: float, progress: Callable[[str], None] | None, measure: bool) -> Model:
+def _file(
+    path: str, timeout: float, progress: Callable[[str], None] | None, measure: bool, cancel: Cancel | None
+) -> Model:
     """The model of a file: kept from an earlier reading, or read and then kept."""
     name = cache.name_of(path, measure)
     model = cache.find(name) if name else None
     if model is not None:
         return replace(model, source=path)
-    model = read_in_worker(path, timeout, progress, measure)
+    model = read_in_worker(path, timeout, progress, measure, cancel)
     if name and name == cache.name_of(path, measure):  # else the file has changed meanwhile
         cache.keep(name, model)
     return model

@@ -23,9 +23,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, NoReturn, TextIO
 
-from nofacet.errors import InputError
+from nofacet.errors import Cancelled, InputError
 
 if TYPE_CHECKING:
+    from nofacet._native import Cancel
     from nofacet.model import Model
 
 _log = logging.getLogger(__name__)
@@ -36,6 +37,7 @@ _CHILD_CODE = (
     "from nofacet.cad.worker import run_child; run_child(sys.argv[2])"
 )
 _TICK = 1.0  # seconds between progress messages, and before the first
+_CANCEL_TICK = 0.05  # seconds between looks at whether reading was called off
 _LONGEST_WAIT = 1e6  # seconds, what the system's timers can hold
 _ORPHAN_GRACE = 5.0  # seconds past the time limit after which a child that nobody killed ends by itself
 _FIRST_STAGE = "starting"
@@ -43,13 +45,18 @@ _LAST_STAGE = "sending the model"
 
 
 def read_in_worker(
-    path: str, timeout: float = 300.0, progress: Callable[[str], None] | None = None, measure: bool = False
+    path: str,
+    timeout: float = 300.0,
+    progress: Callable[[str], None] | None = None,
+    measure: bool = False,
+    cancel: Cancel | None = None,
 ) -> Model:
     """Read and convert a STEP or BREP file in a child process.
 
     timeout: seconds, math.inf for no limit. progress: called once a second, first after a second, with one line that
     names the file, the stage and the time. measure: fill what load() says.
-    Raises InputError if the file cannot be shown, if reading takes longer than the timeout, if OpenCascade crashes.
+    Raises InputError if the file cannot be shown, if reading takes longer than the timeout, if OpenCascade crashes;
+    Cancelled once `cancel` is set.
     """
     started = time.monotonic()
     job = {"file": path, "measure": measure, "started": started, "timeout": min(timeout, _LONGEST_WAIT)}
@@ -61,7 +68,7 @@ def read_in_worker(
             stderr=notes,
         )
         try:
-            answer = _wait(child, path, started, timeout, notes, progress)
+            answer = _wait(child, path, started, timeout, notes, progress, cancel)
         finally:  # also on Ctrl-C
             child.kill()
             child.wait()
@@ -77,18 +84,25 @@ def _wait(
     timeout: float,
     notes: TextIO,
     progress: Callable[[str], None] | None,
+    cancel: Cancel | None,
 ) -> bytes:
     """The child's standard output once it has ended."""
+    said = 0.0  # when there was the last progress message
     while True:
         elapsed = time.monotonic() - started
+        if cancel and cancel.is_set():
+            raise Cancelled(f"{path}: reading was called off")
         if elapsed >= timeout:
             raise InputError(
                 f"{path}: stopped after {timeout:g} s while {_present_stage(notes)}; "
                 "a damaged file can make OpenCascade hang, a very large one may need a longer timeout"
             )
-        if progress and elapsed >= _TICK:
+        if progress and elapsed >= said + _TICK:
             progress(f"{os.path.basename(path)}: {_present_stage(notes)}, {elapsed:.0f} s")
-        until_tick = _TICK - elapsed % _TICK if progress else _LONGEST_WAIT
+            said = elapsed // _TICK * _TICK
+        until_tick = said + _TICK - elapsed if progress else _LONGEST_WAIT
+        if cancel:
+            until_tick = min(until_tick, _CANCEL_TICK)
         try:
             return child.communicate(timeout=min(until_tick, timeout - elapsed))[0]
         except subprocess.TimeoutExpired:

@@ -1,0 +1,307 @@
+"""The viewer: one session in one window.
+
+The main thread handles input, paints and draws panels; reading, meshing, exact frames and everything else that takes
+longer than a few milliseconds goes on elsewhere and wakes it when there is something new.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import nofacet
+
+from .controls import Button, Point
+from .exact import Exact, ExactRenderer, Request
+from .keymap import Keymap, KeymapError
+from .painter import Painter
+from .panels.all import Panels
+from .pictures import picture_path, save_exact, save_window
+from .session import BLINK_SECONDS, Session
+from .state import View
+from .tessellated import POLL_SECONDS
+from .window import Window
+
+TITLE = "nofacet"
+SIZE = (1280, 720)
+IDLE_SECONDS = 0.25  # between looks at the clock and at files
+BUSY_SECONDS = 0.1  # between pictures of a progress bar
+SETTLING_FRAMES = 2  # that imgui needs after an input until its picture stays the same
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line of `nofacet view` says. size: of the window. camera: None fits the model."""
+
+    files: Sequence[str] = ()
+    view: View = View.SIDE_BY_SIDE
+    camera: nofacet.Camera | None = None
+    size: tuple[int, int] = SIZE
+    watch: bool = False
+
+
+@dataclass
+class Painted:
+    """What the painter has been given, and what the picture shows."""
+
+    model: nofacet.Model | None = None
+    mesh: Any = None
+    difference: Any = None
+    exact: Exact | None = None
+    state: Any = None
+    camera: nofacet.Camera | None = None
+    size: tuple[int, int] = (0, 0)
+
+
+class App:
+    """Opens the window at once. `session` is what it shows."""
+
+    def __init__(self, options: Options, keymap: Keymap | None = None) -> None:
+        """Raises InputError where no window can be opened."""
+        self.window = Window(TITLE, options.size)
+        self.session = Session(
+            options.files, options.view, options.camera, self.window.size, options.watch, self.window.wake
+        )
+        self.keymap, problem = (keymap, None) if keymap else _user_keymap()
+        if problem:
+            self.session.say(problem)
+        self.exact = ExactRenderer(self.window.wake)
+        self.painter = Painter(self.window.context)
+        self.panels = Panels(self.session, self.keymap)
+        self.pictures: list[Path] = []  # that were written
+        self._painted = Painted()
+        self._picture: Any = None  # framebuffer with what the painter has painted
+        self._frames_due = SETTLING_FRAMES
+        self._screenshot = False
+        self._quit = False
+        self.window.attach(self)
+
+    def run(self) -> None:
+        """Until the window is closed."""
+        try:
+            while not self.closed:
+                self.step()
+        finally:
+            self.close()
+
+    @property
+    def closed(self) -> bool:
+        return self._quit or self.window.should_close
+
+    def close(self) -> None:
+        """Stop everything and close the window."""
+        self.exact.stop()
+        self.session.close()
+        self.painter.release()
+        self.window.close()
+
+    def step(self, wait: float | None = None) -> bool:
+        """Wait for something to do and do it. wait: seconds at most, None: as long as is sensible.
+
+        Returns whether the picture was drawn again.
+        """
+        self.window.wait(self._patience() if wait is None else wait)
+        self._update()
+        repainted = self._paint()
+        if not (repainted or self._frames_due > 0):
+            return False
+        self._frames_due = max(0, self._frames_due - 1)
+        self._draw()
+        return True
+
+    # Input
+
+    def on_key(self, key: str, modifiers: frozenset[str]) -> None:
+        action = self.keymap.action(key, modifiers)
+        self._touch()
+        if action is None:
+            return
+        if action == "help":
+            self.panels.help = not self.panels.help
+        elif action == "panels":
+            self.panels.shown = not self.panels.shown
+        elif action == "screenshot":
+            self._screenshot = True
+        elif action == "exact-picture":
+            self._save_exact()
+        elif action == "quit":
+            self._quit = True
+        else:
+            self.session.perform(action)
+
+    def on_press(self, button: Button, at: Point, modifiers: frozenset[str]) -> None:
+        self._touch()
+        self.session.press(button, at, shift="Shift" in modifiers)
+
+    def on_release(self, button: Button, at: Point) -> None:
+        self._touch()
+        self.session.release(button, at)
+
+    def on_move(self, at: Point) -> None:
+        if self.session.controls.drag is None:  # else panels stay as they are: what moves is the picture
+            self._touch()
+        self.session.move(at)
+
+    def on_wheel(self, notches: float, modifiers: frozenset[str]) -> None:
+        self._touch()
+        self.session.wheel(notches, to_cursor="Ctrl" in modifiers)
+
+    def on_drop(self, paths: Sequence[str]) -> None:
+        self._touch()
+        if paths:
+            self.session.open(paths)
+
+    # One step
+
+    def _touch(self) -> None:
+        """Something has happened that panels may show."""
+        self._frames_due = SETTLING_FRAMES
+
+    def _patience(self) -> float:
+        """Seconds that nothing needs to be done if no input comes and no thread wakes us."""
+        if self._frames_due:
+            return 0.0
+        if self.session.loader.path and not self.session.loader.measured:
+            return BUSY_SECONDS
+        if self.session.tessellated.busy or self.painter.busy:
+            return POLL_SECONDS
+        return min(IDLE_SECONDS, BLINK_SECONDS / 4) if self.session.state.view is View.BLINK else IDLE_SECONDS
+
+    def _update(self) -> None:
+        """Take over what other threads have finished, and ask them for what is needed next."""
+        session = self.session
+        if self.window.resized:
+            self.window.resized = False
+            session.size = self.window.size
+            self._touch()
+        if session.update(time.monotonic()) or (session.loader.path and not session.loader.measured):
+            self._touch()
+        self.exact.show(self._request())
+        latest = self.exact.latest()
+        if isinstance(latest, str):
+            session.say(latest)
+            self._touch()
+        elif latest and latest.request.model is session.drawn:
+            session.exact = latest
+            self._frames_due = max(self._frames_due, 1)
+        exact = session.exact
+        if exact and exact.is_full and exact.request.model is session.drawn and session.state.view.shows_mesh:
+            session.tessellated.compare(exact.request.model, exact.request.camera, exact.request.resolution)
+
+    def _request(self) -> Request | None:
+        """What the exact picture is to be now."""
+        session = self.session
+        resolution = self.painter.exact_resolution(session.state.view, session.size)
+        if session.drawn is None or session.camera is None or resolution is None or 0 in session.size:
+            return None
+        overlays = session.state.overlays
+        needed = (*self.painter.exact_buffers(session.state), "color", "depth", "face")
+        return Request(
+            session.drawn,
+            session.camera,
+            resolution,
+            tuple(dict.fromkeys(needed)),
+            edges="edges" in overlays,
+            curvature="curvature" in overlays,
+        )
+
+    def _paint(self) -> bool:
+        """Paint the picture again if it would be another one; whether it was."""
+        session, painted = self.session, self._painted
+        if 0 in session.size:
+            return False
+        given = self._give_to_painter()
+        exact = session.exact
+        # Both sides show the camera of the exact frame, so that they move together.
+        shows_frame = exact and session.state.view.shows_exact and exact.request.model is session.drawn
+        camera = exact.request.camera if exact and shows_frame else session.camera
+        state = session.state.copy()
+        if camera is None or not (
+            given or self.painter.busy or (state, camera, session.size) != (painted.state, painted.camera, painted.size)
+        ):
+            return False
+        self.painter.paint(state, camera, self._framebuffer(session.size), session.size)
+        painted.state, painted.camera, painted.size = state, camera, session.size
+        return True
+
+    def _give_to_painter(self) -> bool:
+        """Hand over what is new; whether anything was."""
+        session, painted, before = self.session, self._painted, self._painted.__dict__.copy()
+        if painted.model is not session.described:
+            painted.model = session.described
+            self.painter.set_model(session.described)
+        mesh = session.tessellated.result.mesh if session.tessellated.result else None
+        if painted.mesh is not mesh:
+            painted.mesh, painted.difference = mesh, None
+            self.painter.set_mesh(mesh)
+        difference = session.tessellated.difference
+        if difference and session.exact and difference.camera != session.exact.request.camera:
+            difference = None
+        if painted.difference is not difference:
+            painted.difference = difference
+            self.painter.set_difference(difference)
+        if painted.exact is not session.exact:
+            painted.exact = session.exact
+            exact = session.exact
+            self.painter.set_exact(*(exact.frame, exact.curvature) if exact else (None,))
+        return any(before[name] is not value for name, value in painted.__dict__.items())
+
+    def _framebuffer(self, size: tuple[int, int]) -> Any:
+        if self._picture is None or self._picture.size != size:
+            if self._picture:
+                self._picture.color_attachments[0].release()
+                self._picture.release()
+            self._picture = self.window.context.framebuffer([self.window.context.texture(size, 4)])
+        return self._picture
+
+    def _draw(self) -> None:
+        """Show the picture with the panels before it."""
+        if 0 in self.session.size:
+            return
+        framebuffer = self._framebuffer(self.session.size)
+        self.window.context.scissor = None
+        self.window.draw(framebuffer, self.panels.draw)
+        if self._screenshot:
+            self._screenshot = False
+            self._save_window(framebuffer)
+        self.window.present()
+
+    # Pictures
+
+    def _save_window(self, picture: Any) -> None:
+        session, pixels = self.session, self.window.pixels(picture)
+        path = picture_path(session.path, Path.cwd())
+        session.tasks.run(lambda: save_window(path, pixels, session.camera), self._saved)
+
+    def _save_exact(self) -> None:
+        session = self.session
+        model, camera, size = session.drawn, session.camera, session.size
+        if model is None or camera is None:
+            return
+        path = picture_path(session.path, Path.cwd())
+        session.say(f"{path.name}: being drawn")
+        session.tasks.run(lambda: save_exact(path, model, camera, size), self._saved)
+
+    def _saved(self, result: Path | Exception) -> None:
+        if isinstance(result, Path):
+            self.pictures.append(result)
+            self.session.say(f"written: {os.path.relpath(result)}")
+        else:
+            self.session.say(" ".join(str(result).split()))
+
+
+def view(options: Options) -> None:
+    """Open the window and return when it is closed. Raises InputError where no window can be opened."""
+    App(options).run()
+
+
+def _user_keymap() -> tuple[Keymap, str | None]:
+    """The user's keymap, or the default one and why."""
+    try:
+        return Keymap.load(), None
+    except KeymapError as error:
+        return Keymap(), f"{error}; the default keys are used"

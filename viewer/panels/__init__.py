@@ -1,0 +1,1 @@
+"""What lies before the picture, drawn with imgui: each module is one panel."""

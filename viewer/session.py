@@ -1,0 +1,324 @@
+"""What the window works on: files, model, camera and view, and what keys and mouse do to them. No window here."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+import nofacet
+from nofacet.camera import VIEWS, Vector, as_vector
+
+from .appearance import Appearance, Faces
+from .controls import Button, Controls, Point, zoom_wheel
+from .exact import Exact
+from .loading import Loaded, Loader, one_line
+from .painter import OVERLAYS
+from .panes import Pane, pane_resolution, panes
+from .state import View, ViewState
+from .tasks import Tasks
+from .tessellated import Tessellated
+from .watch import FileWatch
+
+NOTICE_SECONDS = 5.0
+BLINK_SECONDS = 0.6  # that each side is shown
+DIVIDER_REACH = 6.0  # pixels from a wipe's divider within which the mouse takes it
+
+
+@dataclass(frozen=True)
+class Hover:
+    """What is under the cursor: the face's index and the world point."""
+
+    face: int
+    point: Vector
+
+
+@dataclass(frozen=True)
+class Notice:
+    """One line for the user; a problem stays until another file is opened."""
+
+    text: str
+    is_problem: bool = False
+    until: float = 0.0  # time.monotonic()
+
+
+class Session:
+    """The state of the viewer. Its methods belong to one thread and never wait for what takes longer than a frame."""
+
+    def __init__(
+        self,
+        files: Sequence[str] = (),
+        view: View = View.SIDE_BY_SIDE,
+        camera: nofacet.Camera | None = None,
+        size: tuple[int, int] = (1280, 720),
+        watch: bool = False,
+        wake: Callable[[], None] = lambda: None,
+    ) -> None:
+        """files: models to show, the first one now. camera: for the first one, None: fitted. size: of the window in
+        pixels. wake: called by other threads when update() has something to do."""
+        self.state = ViewState(view)
+        self.size = size
+        self.watches = watch
+        self.loader = Loader(wake)
+        self.tasks = Tasks(wake)
+        self.tessellated = Tessellated(self.tasks)
+        self.controls = Controls()
+        self.camera = camera
+        self.appearance: Appearance | None = None
+        self.drawn: nofacet.Model | None = None  # the model as it is drawn: appearance.applied()
+        self.described: nofacet.Model | None = None  # the same, with the errors of its conversion once they are known
+        self.exact: Exact | None = None  # the frame shown last
+        self.selected = np.zeros(0, bool)  # (F,)
+        self.notice: Notice | None = None
+        self.cursor: Point = (0.0, 0.0)
+        self._anchor: Vector | None = None  # what Ctrl+wheel zooms to, until the mouse moves
+        self.files: list[str] = []
+        self.index = 0
+        self._watch: FileWatch | None = None
+        self._keeps_camera = camera is not None
+        self._to_measure: str | None = None  # a file that is shown and still to be read again, measured
+        self._blinked = 0.0
+        if files:
+            self.open(files, keep_camera=camera is not None)
+
+    # Files
+
+    @property
+    def path(self) -> str | None:
+        """The file that is shown or being read."""
+        return self.files[self.index] if self.files else None
+
+    @property
+    def model(self) -> nofacet.Model | None:
+        """The model as it was read."""
+        return self.appearance.model if self.appearance else None
+
+    def open(self, files: Sequence[str], keep_camera: bool = False) -> None:
+        """Show the first of these files and step through them from now on."""
+        self.files, self.index = list(files), 0
+        self._read(keep_camera)
+
+    def step_file(self, step: int) -> None:
+        """Show the file `step` places on; after the last one comes the first."""
+        if len(self.files) > 1:
+            self.index = (self.index + step) % len(self.files)
+            self._read(keep_camera=False)
+
+    def reload(self) -> None:
+        """Read the file again and keep camera and appearance."""
+        if self.files:
+            self._read(keep_camera=True)
+
+    def cancel_reading(self) -> None:
+        """Stop reading; what was shown before stays."""
+        if self.loader.path:
+            self.say(f"{self.loader.path}: reading was called off")
+        self.loader.cancel()
+
+    def _read(self, keep_camera: bool) -> None:
+        assert self.path
+        self._keeps_camera = keep_camera
+        self.notice = self._to_measure = None
+        self._watch = FileWatch(self.path)
+        self.loader.start(self.path, self.pane_size)
+
+    def _take(self, loaded: Loaded) -> None:
+        """Show what was read, or say why there is nothing."""
+        if loaded.problem is not None:
+            if not loaded.measured:
+                self.notice = Notice(loaded.problem, is_problem=True)
+            return
+        assert loaded.model
+        same_file = self.model is not None and self.model.source == loaded.model.source
+        keeps = same_file and (self._keeps_camera or loaded.measured)
+        self.appearance = (
+            self.appearance.carried_to(loaded.model) if self.appearance and keeps else Appearance(loaded.model)
+        )
+        if loaded.measured:  # looks the same: nothing has to be drawn again
+            self.described = self.appearance.applied()
+            return
+        self.selected = np.zeros(loaded.model.face_count, bool)
+        self.appearance_changed()
+        if self.camera is None or not self._keeps_camera:
+            self.camera = loaded.camera
+        self.tessellated.forget()
+        self.mesh()
+        self._to_measure = loaded.path
+
+    def mesh(self) -> None:
+        """Mesh the file as `tessellated` is set to."""
+        if self.path and self.camera and self.model is not None:
+            self.tessellated.start(self.path, self.camera, self.pane_size)
+
+    # Messages and time
+
+    def say(self, text: str) -> None:
+        """Show a line for some seconds."""
+        self.notice = Notice(text, until=time.monotonic() + NOTICE_SECONDS)
+
+    def update(self, now: float) -> bool:
+        """Take over what other threads have finished and what time brings about; whether anything has changed.
+
+        now: time.monotonic().
+        """
+        changed = self.tasks.poll() | self.tessellated.poll()
+        if self._to_measure and not self.tessellated.busy and self.loader.path is None:
+            self.loader.start(self._to_measure, self.pane_size, measured=True)
+            self._to_measure = None
+        loaded = self.loader.poll()
+        if loaded:
+            self._take(loaded)
+            changed = True
+        if self.watches and self._watch and self._watch.changed(now):
+            self.reload()
+            changed = True
+        if self.notice and not self.notice.is_problem and now > self.notice.until:
+            self.notice = None
+            changed = True
+        if self.state.view is View.BLINK and now - self._blinked >= BLINK_SECONDS:
+            self._blinked = now
+            self.state.blink_exact = not self.state.blink_exact
+            changed = True
+        return changed
+
+    def close(self) -> None:
+        """Stop what is going on in the background."""
+        self.loader.cancel()
+        self.tessellated.forget()
+
+    # Actions of the keymap
+
+    def perform(self, action: str) -> bool:
+        """Do what a key is for; False for what is not the session's: pictures, help, panels, quitting."""
+        if action in VIEWS:
+            self.look_along(*VIEWS[action])
+        elif action == "fit" and self.camera:
+            self.look_along(tuple(self.camera.direction), self.camera.view_up)
+        elif action == "projection":
+            self.toggle_projection()
+        elif action in {view.value for view in View}:
+            self.show_view(View(action))
+        elif action in OVERLAYS:
+            self.state.toggle_overlay(action)
+        elif action in ("next-file", "previous-file"):
+            self.step_file(1 if action == "next-file" else -1)
+        elif action == "reload":
+            self.reload()
+        elif action == "show-all" and self.appearance:
+            self.appearance.show_all()
+            self.appearance_changed()
+        else:
+            return action in ("fit", "show-all")
+        return True
+
+    def show_view(self, view: View) -> None:
+        self.state.view = view
+        self._blinked = time.monotonic()
+
+    def look_along(self, direction: Sequence[float], view_up: Sequence[float]) -> None:
+        """Look at all that is visible along a direction (from the eye into the scene), in the present projection."""
+        model, camera = self.drawn, self.camera
+        if model is None or camera is None:
+            return
+        options = {"view_angle": camera.view_angle} if camera.view_angle else {}
+
+        def fit() -> nofacet.Camera:
+            return nofacet.Camera.fit(model, direction, camera.projection, self.pane_size, view_up, **options)
+
+        def take(fitted: nofacet.Camera | Exception) -> None:
+            if isinstance(fitted, nofacet.Camera):
+                self.camera = fitted
+            else:
+                self.say(one_line(fitted))
+
+        self.tasks.run(fit, take)
+
+    def toggle_projection(self) -> None:
+        if self.camera:
+            other = "perspective" if self.camera.projection == "orthographic" else "orthographic"
+            self.camera = self.camera.with_projection("perspective" if other == "perspective" else "orthographic")
+
+    def appearance_changed(self) -> None:
+        """To be called after a change of `appearance`."""
+        if self.appearance:
+            self.drawn = self.described = self.appearance.applied()
+
+    # The mouse
+
+    @property
+    def pane_size(self) -> tuple[int, int]:
+        """Width and height in pixels of what the camera is fitted to."""
+        return pane_resolution(self.state.view, self.size)
+
+    def pane_at(self, x: float) -> Pane:
+        """The pane at x in the window."""
+        found = panes(self.state.view, self.size)
+        return next((pane for pane in reversed(found) if x >= pane.x), found[0])
+
+    def on_divider(self, x: float) -> bool:
+        """Whether the mouse at x takes the divider of a wipe."""
+        return self.state.view is View.WIPE and abs(x - self.state.wipe * self.size[0]) <= DIVIDER_REACH
+
+    def press(self, button: Button, at: Point, shift: bool = False) -> None:
+        self.cursor = at
+        self.controls.press(button, at, self.pane_at(at[0]), shift, self.on_divider(at[0]))
+
+    def move(self, at: Point) -> None:
+        if at != self.cursor:
+            self._anchor = None
+        self.cursor = at
+        drag = self.controls.drag
+        if self.camera:
+            self.camera = self.controls.move(at, self.camera)
+        if drag and drag.moves_divider:
+            self.state.move_wipe(at[0], self.size[0])
+
+    def release(self, button: Button, at: Point) -> None:
+        self.move(at)
+        drag = self.controls.release(button)
+        hover = self.hover
+        if drag is None or not drag.click or self.camera is None:
+            return
+        if button is Button.MIDDLE and hover:
+            self.camera = self.camera.centre_on(hover.point)
+        elif button is Button.LEFT:
+            self.select(np.array([hover.face] if hover else [], np.int32))
+
+    def select(self, faces: Faces) -> None:
+        """Select these faces in place of what was selected."""
+        self.selected[:] = False
+        self.selected[faces] = True
+
+    def wheel(self, notches: float, to_cursor: bool = False) -> None:
+        if self.camera is None:
+            return
+        if to_cursor and self._anchor is None:
+            self._anchor = self._zoom_centre()
+        self.camera = zoom_wheel(self.camera, notches, self._anchor if to_cursor else None)
+
+    @property
+    def hover(self) -> Hover | None:
+        """What the frame that is shown has under the cursor; None on background and while the camera moves."""
+        exact, camera = self.exact, self.camera
+        if exact is None or camera is None or exact.request.camera != camera or exact.request.model is not self.drawn:
+            return None
+        pane, frame = self.pane_at(self.cursor[0]), exact.frame
+        x, y = self.cursor[0] - pane.x, self.cursor[1]
+        column, row = int(x * frame.width / pane.width), int(y * frame.height / pane.height)
+        if not (0 <= column < frame.width and 0 <= row < frame.height) or frame.face[row, column] < 0:
+            return None
+        # The value holds at the pixel's centre.
+        centre = (column + 0.5) * pane.width / frame.width, (row + 0.5) * pane.height / frame.height
+        return Hover(
+            int(frame.face[row, column]), as_vector(camera.point_at(centre, pane.size, float(frame.depth[row, column])))
+        )
+
+    def _zoom_centre(self) -> Vector:
+        """The world point that zooming to the cursor leaves in place; on background one at the focal point's depth."""
+        assert self.camera
+        hover, pane = self.hover, self.pane_at(self.cursor[0])
+        if hover:
+            return hover.point
+        return as_vector(self.camera.point_at((self.cursor[0] - pane.x, self.cursor[1]), pane.size))
