@@ -18,6 +18,7 @@ import nofacet
 from .controls import Button, Point
 from .exact import Exact, ExactRenderer, Request
 from .keymap import Keymap, KeymapError
+from .loading import Fit, fit_camera
 from .painter import Painter
 from .panels.all import Panels
 from .pictures import picture_path, save_exact, save_window
@@ -35,13 +36,16 @@ SETTLING_FRAMES = 2  # that imgui needs after an input until its picture stays t
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line of `nofacet view` says. size: of the window. camera: None fits the model."""
+    """What the command line of `nofacet view` says. size: of the window. camera: None fits the model by `fit`.
+    timeout: seconds for reading a file."""
 
     files: Sequence[str] = ()
     view: View = View.SIDE_BY_SIDE
     camera: nofacet.Camera | None = None
     size: tuple[int, int] = SIZE
     watch: bool = False
+    fit: Fit = fit_camera
+    timeout: float = 300.0
 
 
 @dataclass
@@ -64,7 +68,14 @@ class App:
         """Raises InputError where no window can be opened."""
         self.window = Window(TITLE, options.size)
         self.session = Session(
-            options.files, options.view, options.camera, self.window.size, options.watch, self.window.wake
+            options.files,
+            options.view,
+            options.camera,
+            self.window.size,
+            options.watch,
+            self.window.wake,
+            options.fit,
+            options.timeout,
         )
         self.keymap, problem = (keymap, None) if keymap else _user_keymap()
         if problem:

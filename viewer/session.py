@@ -14,7 +14,7 @@ from nofacet.camera import VIEWS, Vector, as_vector
 from .appearance import Appearance, Faces
 from .controls import Button, Controls, Point, zoom_wheel
 from .exact import Exact
-from .loading import Loaded, Loader, one_line
+from .loading import Fit, Loaded, Loader, fit_camera, one_line
 from .painter import OVERLAYS
 from .panes import Pane, pane_resolution, panes
 from .state import View, ViewState
@@ -55,13 +55,16 @@ class Session:
         size: tuple[int, int] = (1280, 720),
         watch: bool = False,
         wake: Callable[[], None] = lambda: None,
+        fit: Fit = fit_camera,
+        timeout: float = 300.0,
     ) -> None:
-        """files: models to show, the first one now. camera: for the first one, None: fitted. size: of the window in
-        pixels. wake: called by other threads when update() has something to do."""
+        """files: models to show, the first one now. camera: for the first one, None: fitted by `fit`. size: of the
+        window in pixels. wake: called by other threads when update() has something to do. timeout: seconds that
+        reading a file may take."""
         self.state = ViewState(view)
         self.size = size
         self.watches = watch
-        self.loader = Loader(wake)
+        self.loader = Loader(wake, fit, timeout)
         self.tasks = Tasks(wake)
         self.tessellated = Tessellated(self.tasks)
         self.controls = Controls()
