@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import nofacet
 from nofacet_viewer.caption import caption_height
 from nofacet_viewer.offscreen import write_view
 from nofacet_viewer.panes import pane_resolution
 from nofacet_viewer.state import View
-
-import nofacet
 
 ROOT = Path(__file__).resolve().parents[1]
 SIZE = (1100, 550)

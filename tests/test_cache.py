@@ -80,7 +80,7 @@ class Reader:
         self.calls = 0
         self.meanwhile = meanwhile
 
-    def __call__(self, path: str, timeout: float, progress: object, measure: bool) -> Model:
+    def __call__(self, path: str, timeout: float, progress: object, measure: bool, cancel: object) -> Model:
         self.calls += 1
         self.meanwhile()
         return replace(full_model(), source=path)

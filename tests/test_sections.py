@@ -21,6 +21,7 @@ from OCP.TopoDS import TopoDS_Shape
 import nofacet
 from conftest import SHARED_MODELS, model_of, rectangle_group
 from nofacet import Section
+from nofacet.camera import Projection
 from nofacet.extent import bounding_box
 from nofacet.model import Model
 from scenes import Array, extended_rays, look_down
@@ -329,7 +330,7 @@ CUTS = {
 
 @pytest.mark.parametrize("cut", CUTS)
 @pytest.mark.parametrize("projection", ["orthographic", "perspective"])
-def test_both_methods_show_the_same_cut(cut: str, projection: str) -> None:
+def test_both_methods_show_the_same_cut(cut: str, projection: Projection) -> None:
     hollow = cq.Workplane().sphere(5).cut(cq.Workplane().box(4, 4, 4))
     model = nofacet.load(cq.Assembly().add(hollow, color=cq.Color(1, 0, 0)).add(TORUS).add(cq.Workplane().sphere(1)))
     camera = nofacet.Camera.fit(model, (-1, -1.3, -1.1), projection=projection, resolution=RESOLUTION)

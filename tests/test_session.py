@@ -181,10 +181,12 @@ def test_ctrl_wheel_keeps_the_point_under_the_cursor(session: Session, sphere: M
     assert hover and camera
     for _ in range(5):  # frames lag behind: none is rendered in between
         session.wheel(1.0, to_cursor=True)
-    for seen in (camera, session.camera):
+    zoomed = session.camera
+    assert zoomed
+    for seen in (camera, zoomed):
         x, y, _, w = seen.pixel_from_world((120, 120)) @ [*hover.point, 1.0]
         assert (x / w, y / w) == pytest.approx((75.5, 60.5), abs=1e-6)
-    assert session.camera.view_height == pytest.approx(4.0 / 1.1**5)
+    assert zoomed.view_height == pytest.approx(4.0 / 1.1**5)
 
 
 def test_dragging_the_divider_moves_no_camera(session: Session, sphere: Model) -> None:

@@ -1,4 +1,4 @@
-"""The programs that OpenGL runs, from viewer/shaders."""
+"""The programs that OpenGL runs, from shaders/."""
 
 from __future__ import annotations
 
