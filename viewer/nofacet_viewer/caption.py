@@ -79,10 +79,11 @@ def draw_legend(picture: Picture, scale: ColorScale) -> None:
     """The colours of a scale and what they mean, in the lower right corner."""
     height, width, _ = picture.shape
     size = font_size(height)
-    bar_width, bar_height = min(16 * size, width - 4 * size), size
+    title = f"{scale.title}, {scale.unit}"
+    bar_width, bar_height = min(max(16 * size, text_width(title, size) - 2 * size), width - 4 * size), size
     box = picture[-round(4.6 * size) - size // 2 :, -bar_width - 4 * size :][: round(4.6 * size), : -size // 2]
     box[:] = PAPER
-    write_text(box, box.shape[1] // 2, round(1.2 * size), f"{scale.title}, {scale.unit}", size, "center")
+    write_text(box, box.shape[1] // 2, round(1.2 * size), title, size, "center")
     left, top = (box.shape[1] - bar_width) // 2, round(1.7 * size)
     ramp = scale.ramp()
     columns = ramp[np.arange(bar_width) * len(ramp) // bar_width]
