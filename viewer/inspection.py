@@ -36,9 +36,7 @@ class Place:
         if found is None or found.section is not None:
             return found
         error = self.described.conversion_error[self.described.face_definition[found.face]]
-        return replace(
-            found, conversion_error=float(error), trim_deviation=self.described.trim_deviation(found.face)
-        )
+        return replace(found, conversion_error=float(error), trim_deviation=self.described.trim_deviation(found.face))
 
 
 class Inspection:
@@ -55,6 +53,7 @@ class Inspection:
         self.selected: NDArray[np.bool_] = np.zeros(0, bool)
         self.measuring = False
         self.points: tuple[nofacet.Pick, ...] = ()
+        self._wake = wake
         self._tasks = Tasks(wake)
         self._clicks: list[tuple[Place, Then]] = []
         self._place: Place | None = None  # under the mouse
@@ -74,6 +73,7 @@ class Inspection:
         self.hover = self.picked = self._place = self._known = None
         self.points = ()
         self._clicks.clear()
+        self._tasks = Tasks(self._wake)  # what is still being picked comes to nothing
         self.selected = np.zeros(face_count, bool)
 
     def look(self, place: Place | None) -> None:
@@ -81,6 +81,10 @@ class Inspection:
         self._place = place
         if place is None:
             self.hover = self._known = None
+
+    def at(self, place: Place | None) -> nofacet.Pick | None:
+        """What is at a place under the mouse, if that is known by now."""
+        return self.hover if place is not None and place == self._known else None
 
     def click(self, place: Place, then: Then) -> None:
         """Pick a place and hand over to `then`, in poll(), what is there."""
@@ -103,7 +107,7 @@ class Inspection:
 
     def _find(self, place: Place) -> None:
         def take(found: nofacet.Pick | Exception | None) -> None:
-            if self._place is not None:  # else the mouse has left the picture, or the model is another
+            if self._place is not None:  # else the mouse has left the picture
                 self.hover, self._known = _pick_or_none(found), place
 
         self._tasks.run(place.pick, take)

@@ -26,8 +26,8 @@ class SurfacePoints:
         right-handed with the normal. Any right-handed pair where both curvatures are the same.
 
     Curvatures and directions are NaN where rounding leaves them less than four digits: at poles and tips, where a
-    derivative vanishes, and on patches a millionth as wide as their coordinates are large. All is NaN for faces below 0,
-    faces without patches and parameters that are not finite.
+    derivative vanishes, and on patches a millionth as wide as their coordinates are large. All is NaN for faces less
+    than 0, faces without patches and parameters that are not finite.
     """
 
     position: NDArray[np.float64]
@@ -49,9 +49,9 @@ class SurfacePoints:
 def evaluate(model: Model, face: ArrayLike, uv: ArrayLike) -> SurfacePoints:
     """Evaluate faces at their OpenCascade parameters, whether trimmed away there or not.
 
-    face: (...) int, indices of placed faces, less than 0 for nothing: background, or the cap of a section plane; uv:
-    (..., 2), parameters on them. A frame's `face` and `uv` are such arrays. Beyond the box of the face's trim loops in (u, v) its nearest patch is continued, which is the
-    same surface for all but B-splines.
+    face: (...) int, indices of placed faces, less than 0 for nothing (background, or the cap of a section plane); uv:
+    (..., 2), parameters on them. A frame's `face` and `uv` are such arrays. Beyond the box of the face's trim loops in
+    (u, v) its nearest patch is continued, which is the same surface for all but B-splines.
 
     Raises ValueError for shapes that do not match, indices that are not whole numbers, and faces the model has not.
     """
