@@ -11,6 +11,7 @@ import pytest
 
 pytest.importorskip("nofacet_viewer")
 pytest.importorskip("moderngl")
+from nofacet_viewer.actions import perform
 from nofacet_viewer.controls import DOUBLE_CLICK_SECONDS, Button, DoubleClick
 from nofacet_viewer.inspection import part_of
 from nofacet_viewer.session import Session
@@ -97,7 +98,8 @@ def test_nothing_is_hovered_while_the_camera_moves(session: Session) -> None:
     assert session.inspection.hover is None
     session.state.view = View.TESSELLATED  # no frame to wait for
     settle(session)
-    assert session.hover and session.hover.point == session.inspection.hover.position
+    found = session.inspection.hover
+    assert found and session.hover and session.hover.point == found.position
 
 
 def test_clicks_select_faces_and_parts(session: Session) -> None:
@@ -155,7 +157,7 @@ def test_the_part_of_a_model_without_a_tree_is_its_body(session: Session, balls:
 
 
 def test_two_clicks_measure(session: Session) -> None:
-    session.perform("measure")
+    perform(session, "measure")
     click(session, LEFT)
     click(session, NOWHERE)
     assert session.inspection.measurement is None and len(session.inspection.points) == 1
@@ -165,30 +167,30 @@ def test_two_clicks_measure(session: Session) -> None:
     assert selected(session) == []
     click(session, MIDDLE)
     assert len(session.inspection.points) == 1
-    session.perform("deselect")
+    perform(session, "deselect")
     assert not session.inspection.points and not session.inspection.measuring
 
 
 def test_isolating_shows_the_selection_alone(session: Session) -> None:
-    assert session.perform("isolate") and session.appearance and session.appearance.visible.all()
+    assert perform(session, "isolate") and session.appearance and session.appearance.visible.all()
     click(session, MIDDLE, shift=True)
-    assert session.perform("isolate")
+    assert perform(session, "isolate")
     assert session.appearance.visible.tolist() == [False, True, True]
     assert session.drawn is not session.model
-    session.perform("show-all")
+    perform(session, "show-all")
     assert session.drawn is session.model
 
 
 def test_a_plane_is_put_along_the_face_under_the_cursor(session: Session) -> None:
     session.move((66.5, 55.5))
-    session.perform("section")
+    perform(session, "section")
     settle(session)
     (plane,) = session.state.sections
     found = np.array([*plane.origin])
     np.testing.assert_allclose(np.linalg.norm(found), 0.4, atol=1e-9)
     np.testing.assert_allclose(plane.normal, found / 0.4, atol=1e-9)
     session.move(NOWHERE)
-    session.perform("section")
+    perform(session, "section")
     settle(session)
     assert len(session.state.sections) == 1 and session.notice and "no surface" in session.notice.text
 

@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("nofacet_viewer")
 pytest.importorskip("moderngl")
+from nofacet_viewer.actions import perform
 from nofacet_viewer.appearance import Appearance
 from nofacet_viewer.assembly_rows import AssemblyRows
 from nofacet_viewer.controls import Button
@@ -23,8 +24,8 @@ from nofacet_viewer.watch import SETTLED, FileWatch
 
 import nofacet
 from conftest import model_of, sphere_group
-from sessions import wait_until, with_frame
 from nofacet.model import Model, Node
+from sessions import wait_until, with_frame
 
 FLANGE = Path(__file__).resolve().parents[1] / "cad_models" / "flange.step"
 
@@ -117,14 +118,14 @@ def test_the_wipe_stays_within_the_window() -> None:
 
 
 def test_keys_change_view_and_overlays(session: Session) -> None:
-    assert session.perform("difference") and session.state.view is View.DIFFERENCE
-    assert session.perform("zebra") and session.state.overlays == {"zebra"}
-    assert session.perform("zebra") and not session.state.overlays
-    assert not session.perform("screenshot")
+    assert perform(session, "difference") and session.state.view is View.DIFFERENCE
+    assert perform(session, "zebra") and session.state.overlays == {"zebra"}
+    assert perform(session, "zebra") and not session.state.overlays
+    assert not perform(session, "screenshot")
 
 
 def test_blink_shows_one_side_after_the_other(session: Session) -> None:
-    session.perform("blink")
+    perform(session, "blink")
     now = time.monotonic()
     shown = []
     for step in range(4):
@@ -213,9 +214,9 @@ def test_reading_can_be_cancelled(session: Session) -> None:
 
 def test_arrow_keys_step_round_the_files(session: Session) -> None:
     session.open(["a.step", "b.step", "c.step"])
-    session.perform("previous-file")
+    perform(session, "previous-file")
     assert session.path == "c.step"
-    session.perform("next-file")
+    perform(session, "next-file")
     assert session.path == "a.step"
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import nofacet
 
+from .actions import perform
 from .controls import Button, Point
 from .exact import Exact, ExactRenderer, Request
 from .keymap import Keymap, KeymapError
@@ -139,7 +140,7 @@ class App:
         elif action == "quit":
             self._quit = True
         else:
-            self.session.perform(action)
+            perform(self.session, action)
 
     def on_press(self, button: Button, at: Point, modifiers: frozenset[str]) -> None:
         self._touch()

@@ -10,7 +10,7 @@ from math import floor
 import numpy as np
 
 import nofacet
-from nofacet.camera import VIEWS, Vector, as_vector
+from nofacet.camera import Vector, as_vector
 
 from .appearance import Appearance
 from .controls import Button, Controls, DoubleClick, Motion, Point, zoom_wheel
@@ -18,8 +18,7 @@ from .difference import OutlineDifference
 from .exact import Exact
 from .hover import Hover, hover_in
 from .inspection import Inspection, Place, part_of
-from .loading import Loaded, Loader, one_line
-from .painter import OVERLAYS
+from .loading import Loaded, Loader
 from .panes import Pane, pane_resolution, panes
 from .section_planes import Bounds, SectionPlanes
 from .state import View, ViewState
@@ -202,61 +201,11 @@ class Session:
         self.loader.cancel()
         self.tessellated.forget()
 
-    # Actions of the keymap
-
-    def perform(self, action: str) -> bool:
-        """Do what a key is for; False for what is not the session's: pictures, help, panels, quitting."""
-        if action in VIEWS:
-            self.look_along(*VIEWS[action])
-        elif action == "fit" and self.camera:
-            self.look_along(tuple(self.camera.direction), self.camera.view_up)
-        elif action == "projection":
-            self.toggle_projection()
-        elif action in {view.value for view in View}:
-            self.show_view(View(action))
-        elif action in OVERLAYS:
-            self.state.toggle_overlay(action)
-        elif action in ("next-file", "previous-file"):
-            self.step_file(1 if action == "next-file" else -1)
-        elif action == "reload":
-            self.reload()
-        elif action == "measure":
-            self.inspection.toggle_measuring()
-        elif action == "deselect":
-            self.inspection.clear()
-        elif action == "section":
-            self.cut_along_face()
-        elif action == "show-all" and self.appearance:
-            self.appearance.show_all()
-            self.appearance_changed()
-        elif action == "isolate" and self.appearance and self.inspection.selected.any():
-            self.appearance.isolate(np.flatnonzero(self.inspection.selected).astype(np.int32))
-            self.appearance_changed()
-        else:
-            return action in ("fit", "show-all", "isolate")
-        return True
+    # What keys do: viewer/actions.py
 
     def show_view(self, view: View) -> None:
         self.state.view = view
         self._blinked = time.monotonic()
-
-    def look_along(self, direction: Sequence[float], view_up: Sequence[float]) -> None:
-        """Look at all that is visible along a direction (from the eye into the scene), in the present projection."""
-        model, camera = self.drawn, self.camera
-        if model is None or camera is None:
-            return
-        options = {"view_angle": camera.view_angle} if camera.view_angle else {}
-
-        def fit() -> nofacet.Camera:
-            return nofacet.Camera.fit(model, direction, camera.projection, self.pane_size, view_up, **options)
-
-        def take(fitted: nofacet.Camera | Exception) -> None:
-            if isinstance(fitted, nofacet.Camera):
-                self.camera = fitted
-            else:
-                self.say(one_line(fitted))
-
-        self.tasks.run(fit, take)
 
     def toggle_projection(self) -> None:
         if self.camera:

@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 import nofacet
 
+from ..actions import perform
 from ..inspection import Inspection
 from ..keymap import Keymap
 from ..session import Session
@@ -27,10 +28,10 @@ def show_inspector(session: Session, keymap: Keymap) -> None:
     if count or inspection.picked:
         imgui.separator_text(f"Selected: {count} face{'' if count == 1 else 's'}")
         if imgui.small_button("isolate"):
-            session.perform("isolate")
+            perform(session, "isolate")
         imgui.same_line()
         if imgui.small_button("select nothing"):
-            session.perform("deselect")
+            perform(session, "deselect")
     if inspection.picked:
         _show_pick(inspection.picked)
     _show_measuring(inspection, keymap)
