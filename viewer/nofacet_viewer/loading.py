@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import nofacet
 
+from .section_planes import Bounds
 from .tasks import give_way
 
 Fit = Callable[[nofacet.Model, tuple[int, int]], nofacet.Camera]  # (model, resolution) -> camera; ValueError if none
@@ -21,7 +22,7 @@ def fit_camera(model: nofacet.Model, resolution: tuple[int, int]) -> nofacet.Cam
 
 @dataclass(frozen=True)
 class Loaded:
-    """A file that was read, and a camera that sees all of it; only one of `model` and `problem` is not None.
+    """A file that was read, its box and a camera that sees all of it; only one of `model` and `problem` is not None.
 
     problem: one line, as on the command line. measured: the errors of its conversion are in the model.
     """
@@ -29,6 +30,7 @@ class Loaded:
     path: str
     model: nofacet.Model | None = None
     camera: nofacet.Camera | None = None
+    bounds: Bounds | None = None
     problem: str | None = None
     measured: bool = False
 
@@ -81,8 +83,7 @@ class Loader:
             model = nofacet.load(
                 path, timeout=self._timeout, progress=self._show_stage, measure=measured, cancel=cancel
             )
-            camera = self._fit(model, resolution)
-            loaded = Loaded(path, model, camera, measured=measured)
+            loaded = Loaded(path, model, self._fit(model, resolution), Bounds.of(model), measured=measured)
         except nofacet.Cancelled:
             return
         except (ValueError, OSError) as error:
