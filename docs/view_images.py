@@ -13,16 +13,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 import nofacet
 from nofacet_viewer.app import SETTLING_FRAMES, App, Options
+from nofacet_viewer.controls import Button
 from nofacet_viewer.keymap import Keymap
 from nofacet_viewer.offscreen import side_resolution, write_view
+from nofacet_viewer.session import Session
 from nofacet_viewer.state import View
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 SIZE = (960, 540)
 WINDOW = (1280, 720)
+MEASURED = (421.0, 208.0), (640.0, 497.0)  # places in the window
 PATIENCE = 120.0  # seconds for a window's picture
 OWN = ROOT / "cad_models"
 CTC_02 = ROOT.parent / "shared" / "models" / "nist" / "nist_ctc_02_asme1_rc.stp"  # third-party, beside the repository
@@ -83,7 +88,7 @@ def main() -> None:
 
 
 def draw_windows() -> None:
-    """The window with its panels, and with its list of keys."""
+    """The window with its panels, with its list of keys, and with a cut that is measured."""
     try:
         app = App(Options([str(FLANGE)], size=WINDOW), Keymap())
     except nofacet.InputError as problem:
@@ -91,15 +96,38 @@ def draw_windows() -> None:
         return
     session = app.session
     session.tessellated.choice = "FreeCAD"
-    wait(app, lambda: session.tessellated.difference is not None)
+    wait(app, lambda: session.difference is not None and is_measured(session))
     assert session.camera
-    camera = session.camera = session.camera.orbit(20, 10).zoom(1.5)  # drawn again, while nothing else goes on
-    wait(app, lambda: session.exact is not None and session.exact.is_full and session.exact.request.camera == camera)
-    wait(app, lambda: session.tessellated.difference is not None)
+    camera = session.camera.orbit(20, 10)
+    session.camera = camera.zoom(1.5)  # drawn again, while nothing else goes on
+    wait(app, lambda: session.difference is not None and is_full(session))
     screenshot(app, "window")
     app.on_key("H", frozenset())
     screenshot(app, "window_help")
+    app.on_key("H", frozenset())
+    app.on_key("E", frozenset())
+    session.camera = camera.zoom(1.4).pan(-130, 30, WINDOW)
+    session.planes.add((0.0, 0.0, 0.0), (0.0, -1.0, 0.0))
+    wait(app, lambda: is_full(session))
+    app.on_key("M", frozenset())
+    for at in MEASURED:
+        app.on_move(at)
+        app.on_press(Button.LEFT, at, frozenset())
+        app.on_release(Button.LEFT, at)
+        wait(app, lambda: not session.inspection.busy)
+    screenshot(app, "window_section")
     app.close()
+
+
+def is_full(session: Session) -> bool:
+    """Whether the picture is in full quality."""
+    exact = session.exact
+    return exact is not None and exact.is_full and exact.request.camera == session.camera
+
+
+def is_measured(session: Session) -> bool:
+    """Whether the errors of the conversion are known."""
+    return session.described is not None and bool(np.isfinite(session.described.conversion_error).any())
 
 
 def screenshot(app: App, name: str) -> None:

@@ -45,7 +45,6 @@ def error_line(capsys: pytest.CaptureFixture[str]) -> str:
         ([FLANGE, "--output=a.png", "--camera=missing.png"], "missing.png: No such file"),
         ([FLANGE, "--output=a.png", "--camera-direction=0,0,0"], "direction is zero"),
         ([FLANGE, "--output=a.png", "--camera-direction=fromt"], "did you mean front?"),
-        ([FLANGE, "--section=0,0,0/0,0,1"], "unknown option --section"),
     ],
 )
 def test_wrong_usage(capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:

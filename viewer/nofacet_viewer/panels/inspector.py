@@ -14,7 +14,7 @@ from ..keymap import Keymap
 from ..session import Session
 from .layout import FAINT_COLOR
 
-LABEL_WIDTH = 76.0
+LABEL_WIDTH = 84.0
 
 
 def show_inspector(session: Session, keymap: Keymap) -> None:
