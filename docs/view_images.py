@@ -61,7 +61,7 @@ VIEWS = {
     if view is not View.BLINK
 }
 OVERLAYS = {
-    "view_edges": Picture(CTC_02, View.SIDE_BY_SIDE, FROM_CTC, ("edges",)),
+    "view_edges_ctc_02": Picture(CTC_02, View.SIDE_BY_SIDE, FROM_CTC, ("edges",)),
     "view_mesh_edges": Picture(TEAPOT, View.WIPE, FROM_TEAPOT, ("mesh-edges",)),
     "view_zebra": Picture(BOTTLE, View.SIDE_BY_SIDE, FROM_BOTTLE, ("zebra",)),
     "view_curvature": Picture(FLANGE, View.WIPE, FROM_FLANGE, ("curvature",)),
