@@ -308,6 +308,12 @@ def test_what_is_nowhere_is_nan(sphere: Model) -> None:
     assert nofacet.evaluate(sphere, [], np.empty((0, 2))).position.shape == (0, 3)
 
 
+def test_caps_of_section_planes_are_no_faces(sphere: Model) -> None:
+    found = nofacet.evaluate(sphere, [-2, 0, -17, -1], np.array([[np.nan, np.nan], [1, 1], [0, 0], [0, 0]]))
+    assert np.isnan(found.position).all(axis=1).tolist() == [True, False, True, True]
+    assert np.isfinite(nofacet.evaluate(sphere, np.array([0], np.uint8), [[1, 1]]).normal).all()
+
+
 @pytest.mark.parametrize(
     ("face", "uv", "message"),
     [
@@ -315,7 +321,6 @@ def test_what_is_nowhere_is_nan(sphere: Model) -> None:
         ([0], [0, 0], r"uv must be \(n, 2\)"),
         ([0.5], [[0, 0]], "must be indices"),
         ([1], [[0, 0]], "face 1: the model has faces 0 to 0"),
-        ([-2], [[0, 0]], "face -2"),
     ],
 )
 def test_requests_that_make_no_sense(face: Any, uv: Any, message: str, sphere: Model) -> None:

@@ -55,6 +55,20 @@ def test_all_overlays_together(tmp_path: Path) -> None:
     assert np.ptp(pixels_of(tmp_path / "all.png"), axis=2).max() > 0.3  # legend and lines are coloured
 
 
+@pytest.mark.parametrize("view", [View.EXACT, View.TESSELLATED, View.SIDE_BY_SIDE, View.DIFFERENCE])
+def test_section_planes_cut_every_view(tmp_path: Path, view: View) -> None:
+    ball, camera = cq.Workplane().sphere(3), nofacet.Camera("orthographic", (0, -9, 0), (0, 0, 0), view_height=8)
+    pictures = []
+    for sections in ([], [nofacet.Section((0, 0, 0), (0.01, 0, 1))]):
+        write_view(ball, tmp_path / "view.png", view, SIZE, camera, sections=sections)
+        pictures.append(pixels_of(tmp_path / "view.png")[: -caption_height(SIZE[1])].min(axis=2) < 0.9)
+    middle = len(pictures[0]) // 2
+    whole, cut = (picture[: middle - 4].sum() for picture in pictures)
+    divider = 2 * (middle - 4) if view is View.SIDE_BY_SIDE else 0
+    assert whole > 500 and cut == divider
+    assert pictures[1][middle + 4 :].sum() > 0.8 * pictures[0][middle + 4 :].sum()
+
+
 def test_wrong_requests_are_one_line(tmp_path: Path) -> None:
     ball = cq.Workplane().sphere(1)
     with pytest.raises(ValueError, match=r"written as \.png"):

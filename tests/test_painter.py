@@ -429,3 +429,69 @@ def test_a_model_far_from_the_origin_keeps_its_digits(painter: Painter) -> None:
     assert drawn
     checked = inner(frame.face, drawn[1])
     assert checked.sum() > 5000 and np.abs(frame.depth[checked] - drawn[0][checked]).max() < 1e-4 * np.sqrt(29)
+
+
+# --- selection and section planes ---
+
+
+@pytest.mark.parametrize("overlays", [(), ("zebra",)])
+def test_selected_faces_are_marked_alike_on_both_sides(painter: Painter, context: Any, overlays: Any) -> None:
+    model, mesh = nofacet.load(box()), nofacet.tessellate(box(), FINE)
+    camera = nofacet.Camera.fit(model, GENERAL_DIRECTION, resolution=SIZE)
+    plain, marks = {}, {}
+    for view in (View.EXACT, View.TESSELLATED):
+        shown = state(view, *overlays)
+        painter.set_selected(np.zeros(model.face_count, bool))
+        fill(painter, model, mesh, camera, shown)
+        face = nofacet.render(model, camera, SIZE, buffers=("face",)).face
+        painter.set_exact(
+            nofacet.render(model, camera, SIZE, samples=8, buffers=(*painter.exact_buffers(shown), "face"))
+        )
+        plain[view] = painted(painter, context, shown, camera)
+        painter.set_selected(np.arange(model.face_count) == face[75, 100])
+        marks[view] = painted(painter, context, shown, camera)
+    chosen = inner(np.where(face == face[75, 100], face, -1), face)
+    others = inner(np.where(face == face[75, 100], -1, face), face)
+    for view in plain:
+        assert (marks[view][others] == plain[view][others]).all()
+        assert (marks[view][chosen][:, 0] > marks[view][chosen][:, 2] + 60).all()  # orange
+    assert (
+        np.abs(marks[View.EXACT] - marks[View.TESSELLATED])[chosen].max()
+        <= np.abs(plain[View.EXACT] - plain[View.TESSELLATED])[chosen].max() + 2
+    )
+
+
+@pytest.mark.parametrize("projection", ["orthographic", "perspective"])
+def test_section_planes_cut_both_sides_alike(painter: Painter, projection: Any) -> None:
+    """Where the exact side shows no cap, the triangles show the same face at the same depth."""
+    source = cq.Workplane(origin=(1000, 0, 0)).box(4, 3, 2).faces(">Z").hole(1)
+    model, mesh = nofacet.load(source), nofacet.tessellate(source, FINE)
+    camera = nofacet.Camera.fit(model, GENERAL_DIRECTION, projection, SIZE)
+    sections = (nofacet.Section((1000, -0.2, 0), (0.1, -1, 0.2)), nofacet.Section((1001, 0, 0), (1, 0, 0)))
+    frame = nofacet.render(model, camera, SIZE, samples=1, buffers=("depth", "face"), sections=sections)
+    painter.set_model(model)
+    painter.set_mesh(mesh)
+    whole = painter.drawn_surface(camera, SIZE)
+    painter._drawn.cut(sections)
+    cut = painter.drawn_surface(camera, SIZE)
+    assert whole and cut and (whole[1] != cut[1]).mean() > 0.1
+    same = inner(frame.face, cut[1])
+    assert same.sum() > 0.5 * (frame.face >= 0).sum() > 500
+    assert np.abs(frame.depth[same] - cut[0][same]).max() < 5e-3
+    background = (frame.face == -1) != (cut[1] == -1)
+    assert background.sum() < 0.05 * (frame.face != -1).sum()  # only pixels of outlines
+
+
+@pytest.mark.parametrize("overlay", ["zebra", "curvature", "conversion-error"])
+def test_caps_are_drawn_with_every_overlay(painter: Painter, context: Any, overlay: str) -> None:
+    model, shown = nofacet.load(box()), state(View.EXACT, overlay)
+    sections = (nofacet.Section((0, 0, 0), (0, 0, 1)),)
+    camera = look_down(6)
+    painter.set_model(model)
+    buffers = painter.exact_buffers(shown)
+    frame = nofacet.render(model, camera, SIZE, samples=4, buffers=(*buffers, "color"), sections=sections)
+    painter.set_exact(frame, frame_curvature(model, frame) if overlay == "curvature" else None)
+    pixels = painted(painter, context, shown, camera)
+    assert frame.face[75, 100] == -2
+    linear = frame.color[75, 100, :3]
+    np.testing.assert_allclose(pixels[75, 100], 255 * (1.055 * linear ** (1 / 2.4) - 0.055), atol=1)

@@ -166,6 +166,33 @@ def test_measuring_two_sides_of_a_part() -> None:
     assert "at first    flat, flat" in str(found)
 
 
+@pytest.mark.parametrize("projection", ["orthographic", "perspective"])
+def test_what_is_cut_away_is_not_picked(projection: Projection) -> None:
+    cq = pytest.importorskip("cadquery")
+    model = nofacet.load(cq.Workplane().box(20, 10, 4).edges("|Z").fillet(1))
+    camera = nofacet.Camera.fit(model, GENERAL_DIRECTION, projection, RESOLUTION, view_angle=50)
+    sections = [nofacet.Section((50, 0, 0), (1, 0, 0)), nofacet.Section((1, 2, 0.5), (-0.1, 0.2, 1))]
+    frame = nofacet.render(model, camera, RESOLUTION, buffers=ALL_BUFFERS, sections=sections)
+    caps = 0
+    for row, column in np.random.default_rng(3).integers((RESOLUTION[1], RESOLUTION[0]), size=(80, 2)):
+        found = nofacet.pick(model, camera, RESOLUTION, column + 0.5, row + 0.5, sections=sections)
+        assert (found.face if found else -1) == frame.face[row, column]
+        if found is None:
+            continue
+        np.testing.assert_allclose(found.position, frame.position[row, column], atol=1e-8)
+        assert found.depth == pytest.approx(frame.depth[row, column], abs=1e-8)
+        if found.face < 0:
+            caps += 1
+            assert found.section == 1 and found.normal == sections[1].normal
+            assert np.subtract(found.position, sections[1].origin) @ found.normal == pytest.approx(0, abs=1e-10)
+            assert str(found).splitlines()[0] == "cap of a section plane" and isnan(found.uv[0])
+            other = nofacet.pick(model, camera, RESOLUTION, column + 0.5, row + 0.5)
+            assert other and other.section is None and nofacet.measure(found, other).distance > 0
+            frame_of_cap = np.array([*found.principal_directions, found.normal])
+            np.testing.assert_allclose(np.linalg.det(frame_of_cap), 1, atol=1e-12)
+    assert caps > 10
+
+
 def test_picks_that_make_no_sense(sphere: Model) -> None:
     camera = nofacet.Camera.fit(sphere)
     with pytest.raises(ValueError, match="finite pixel coordinates"):

@@ -69,6 +69,23 @@ def test_screenshot_opens_no_window(window: list[Any], sphere: Model, tmp_path: 
     assert image.read(path)[0][0, 0].tolist() == [0, 0, 1, 1]
 
 
+def test_section_planes_cut(window: list[Any], sphere: Model, tmp_path: Path) -> None:
+    plane = nofacet.Section((0, 0, 0.1), (0, 0, 1))
+    shell = replace(
+        sphere,
+        body_offsets=np.array([0, 1]),
+        body_face=np.array([0], np.int32),
+        body_face_outward=np.ones(1, np.int8),
+        body_closed=np.zeros(1, np.uint8),
+    )
+    with pytest.warns(UserWarning, match="not a closed volume"):
+        frame = nofacet.show(shell, sections=[plane], interact=False, width=32, height=32)
+    whole = nofacet.show(shell, interact=False, width=32, height=32)
+    assert frame and whole and 0.3 < frame.coverage.sum() / whole.coverage.sum() < 0.9
+    shown(window, sphere, sections=[plane])
+    assert window[-1][1]["sections"] == [plane]
+
+
 def test_a_picture_gives_its_camera_back(window: list[Any], sphere: Model, tmp_path: Path) -> None:
     camera = nofacet.Camera("perspective", (9, 1, 2), (0, 0, 0.1), view_angle=17.0)
     for name in ("shot.png", "shot.exr"):

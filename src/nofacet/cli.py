@@ -170,11 +170,19 @@ def _view(options: argparse.Namespace) -> int:
         if options.output:
             from nofacet_viewer.offscreen import write_view
 
-            write_view(options.models[0], options.output, options.view, options.resolution, camera)
+            write_view(
+                options.models[0],
+                options.output,
+                options.view,
+                options.resolution,
+                camera,
+                sections=options.section,
+            )
         else:
             from nofacet_viewer.app import Options, view
 
-            view(Options(options.models, known[options.view], camera, options.resolution, options.watch))
+            size, sections = options.resolution, tuple(options.section)
+            view(Options(options.models, known[options.view], camera, size, options.watch, sections))
     except ModuleNotFoundError as error:
         if (error.name or "").split(".")[0] not in VIEWER_MODULES:
             raise

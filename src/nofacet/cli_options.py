@@ -108,14 +108,7 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="R",
         help="mirror this share, from 0 to below 1 (only --method=bezier_clip_ray; default: 0)",
     )
-    add(
-        "--section",
-        type=_section,
-        action="append",
-        default=[],
-        metavar="X,Y,Z/NX,NY,NZ",
-        help="cut the model by a plane through X,Y,Z and take away the side that NX,NY,NZ points to; repeatable",
-    )
+    _add_section(parser)
     add(
         "--background-color",
         type=_color,
@@ -155,8 +148,20 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
     add("--view", default="side-by-side", metavar="NAME", help="how both sides are shown (default: side-by-side)")
     add("--camera", metavar="FILE", help="a camera file (JSON), or a picture that nofacet made")
     add("--resolution", type=_resolution, default=(1280, 720), metavar="W,H", help="in pixels (default: 1280,720)")
+    _add_section(parser)
     add("--output", metavar="FILE", help="draw into this .png file without a window, and quit")
     _add_verbose(parser)
+
+
+def _add_section(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--section",
+        type=_section,
+        action="append",
+        default=[],
+        metavar="X,Y,Z/NX,NY,NZ",
+        help="cut the model by a plane through X,Y,Z and take away the side that NX,NY,NZ points to; repeatable",
+    )
 
 
 def _numbers(text: str, count: int, example: str) -> tuple[float, ...]:

@@ -26,8 +26,8 @@ class SurfacePoints:
         right-handed with the normal. Any right-handed pair where both curvatures are the same.
 
     Curvatures and directions are NaN where rounding leaves them less than four digits: at poles and tips, where a
-    derivative vanishes, and on patches a millionth as wide as their coordinates are large. All is NaN for face -1,
-    faces without patches and parameters that are not finite.
+    derivative vanishes, and on patches a millionth as wide as their coordinates are large. All is NaN for faces less
+    than 0, faces without patches and parameters that are not finite.
     """
 
     position: NDArray[np.float64]
@@ -49,9 +49,9 @@ class SurfacePoints:
 def evaluate(model: Model, face: ArrayLike, uv: ArrayLike) -> SurfacePoints:
     """Evaluate faces at their OpenCascade parameters, whether trimmed away there or not.
 
-    face: (...) int, indices of placed faces, -1 for nothing; uv: (..., 2), parameters on them. A frame's `face` and
-    `uv` are such arrays. Beyond the box of the face's trim loops in (u, v) its nearest patch is continued, which is the
-    same surface for all but B-splines.
+    face: (...) int, indices of placed faces, less than 0 for nothing (background, or the cap of a section plane); uv:
+    (..., 2), parameters on them. A frame's `face` and `uv` are such arrays. Beyond the box of the face's trim loops in
+    (u, v) its nearest patch is continued, which is the same surface for all but B-splines.
 
     Raises ValueError for shapes that do not match, indices that are not whole numbers, and faces the model has not.
     """
@@ -60,13 +60,12 @@ def evaluate(model: Model, face: ArrayLike, uv: ArrayLike) -> SurfacePoints:
         raise ValueError(f"face is {faces.shape} and uv {parameters.shape}; for face (n,) uv must be (n, 2)")
     if faces.size and faces.dtype.kind not in "iu":
         raise ValueError(f"face is {faces.dtype}; it must be indices, whole numbers")
-    if faces.size and not -1 <= faces.min() <= faces.max() < model.face_count:
-        wrong = faces.min() if faces.min() < -1 else faces.max()
-        raise ValueError(f"face {wrong}: the model has faces 0 to {model.face_count - 1}")
+    if faces.size and faces.max() >= model.face_count:
+        raise ValueError(f"face {faces.max()}: the model has faces 0 to {model.face_count - 1}")
     shape = faces.shape
     result = SurfacePoints(*(np.empty((*shape, *inner)) for inner in ((3,), (3,), (2,), (2, 3))))
     scene_of(model).evaluate(
-        np.ascontiguousarray(faces.ravel(), np.int32),
+        np.maximum(faces.ravel().astype(np.int32), np.int32(-1)),
         np.ascontiguousarray(parameters.reshape(-1, 2)),
         result.position,
         result.normal,

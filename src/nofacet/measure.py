@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .camera import Vector
-from .pick import Pick, lengths_text
+from .pick import LABEL_WIDTH, Pick, lengths_text
 
 
 @dataclass(frozen=True)
@@ -25,17 +25,20 @@ class Measurement:
     first: Pick
     second: Pick
 
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """For people: what each fact is called, and the fact."""
+        return (
+            ("distance", f"{self.distance:.9g} mm"),
+            ("offset", lengths_text(self.offset)),
+            ("normals", f"{self.angle:.6g} degrees apart"),
+            ("at first", ", ".join(self.first.bend_texts)),
+            ("at second", ", ".join(self.second.bend_texts)),
+        )
+
     def __str__(self) -> str:
         """A line for each fact, for people."""
-        return "\n".join(
-            [
-                f"distance    {self.distance:.9g} mm",
-                f"offset      {lengths_text(self.offset)}",
-                f"normals     {self.angle:.6g} degrees apart",
-                f"at first    {', '.join(self.first.bend_texts)}",
-                f"at second   {', '.join(self.second.bend_texts)}",
-            ]
-        )
+        return "\n".join(f"{label:<{LABEL_WIDTH}}{text}" for label, text in self.facts)
 
 
 def measure(first: Pick, second: Pick) -> Measurement:

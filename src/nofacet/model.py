@@ -140,6 +140,12 @@ class Model:
             patches += np.bincount(group.definition, minlength=self.definition_count)
         return int(patches[self.face_definition].sum())
 
+    def trim_deviation(self, face: int) -> float:
+        """How far a placed face's edges in space run from the curves that trim it, at most, model units; NaN if not
+        measured."""
+        deviations = self.edge_use_deviation[self.edge_use_face == face]
+        return float(np.fmax.reduce(deviations, initial=np.nan))
+
     def showing(self, visible: NDArray[np.bool_]) -> Model:
         """This model without the faces for which `visible` (F,) is False; those that stay keep their indices.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,15 +12,19 @@ from .camera import Camera, Vector
 from .evaluate import evaluate
 from .model import Model
 from .render import render
+from .section import Section
 
+LABEL_WIDTH = 12  # of a fact's line, in characters
 _ROUNDING = 1e-12  # a number this much smaller than those beside it is rounding; in texts only
 
 
 @dataclass(frozen=True)
 class Pick:
-    """A point on a face, with what the model knows of the face. Lengths in model units, mm for STEP files.
+    """A point on a face, with what the model knows of the face, or on the cap of a section plane. Lengths in model
+    units, mm for STEP files.
 
-    face: index of the face; name: its own name, "" without one.
+    face: index of the face, -2 - k on the cap of section plane k, of which only surface_type ("plane"), position,
+        normal and depth are known; name: the face's own name, "" without one.
     part: names of the assembly's nodes down to the one that holds the face, "" in a model without a tree;
         node: index of that node in Model.tree, -1 without one.
     surface_type: as in Model.surface_type.
@@ -48,27 +53,42 @@ class Pick:
     trim_deviation: float
 
     @property
+    def section(self) -> int | None:
+        """Index of the section plane on whose cap the point is; None on a face."""
+        return -2 - self.face if self.face < -1 else None
+
+    @property
     def radii_of_curvature(self) -> tuple[float, float]:
         """Reciprocals of the principal curvatures, model units: signed as they are, inf (or, by rounding, huge) where
         the surface does not bend."""
         first, second = (1 / k if k else math.inf for k in self.principal_curvatures)
         return first, second
 
+    @property
+    def title(self) -> tuple[str, ...]:
+        """For people: what was picked, and in a line of its own the part that it is in."""
+        if self.section is not None:
+            return ("cap of a section plane",)
+        face = f"face {self.face}" + (f" {self.name}" if self.name else "") + f", {self.surface_type}"
+        return (face, " / ".join(name or "unnamed" for name in self.part)) if self.part else (face,)
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """For people: what each fact is called, and the fact."""
+        point = ("point", lengths_text(self.position)), ("normal", ", ".join(f"{value:.6f}" for value in self.normal))
+        if self.section is not None:
+            return point
+        return (
+            ("(u, v)", f"{self.uv[0]:.9g}, {self.uv[1]:.9g}"),
+            *point,
+            ("curvature", ", ".join(self.bend_texts)),
+            ("conversion", _error_text(self.conversion_error)),
+            ("trimming", _error_text(self.trim_deviation)),
+        )
+
     def __str__(self) -> str:
         """A line for each fact, for people."""
-        title = f"face {self.face}" + (f" {self.name}" if self.name else "") + f", {self.surface_type}"
-        lines = [title] + ([" / ".join(name or "unnamed" for name in self.part)] if self.part else [])
-        return "\n".join(
-            [
-                *lines,
-                f"(u, v)      {self.uv[0]:.9g}, {self.uv[1]:.9g}",
-                f"point       {lengths_text(self.position)}",
-                f"normal      {', '.join(f'{value:.6f}' for value in self.normal)}",
-                f"curvature   {', '.join(self.bend_texts)}",
-                f"conversion  {_error_text(self.conversion_error)}",
-                f"trimming    {_error_text(self.trim_deviation)}",
-            ]
-        )
+        return "\n".join([*self.title, *(f"{label:<{LABEL_WIDTH}}{text}" for label, text in self.facts)])
 
     @property
     def bend_texts(self) -> tuple[str, str]:
@@ -87,27 +107,37 @@ def _bend_text(curvature: float, rounding: float) -> str:
     return f"radius {1 / abs(curvature):.6g} mm {'concave' if curvature > 0 else 'convex'}"
 
 
-def pick(model: Model, camera: Camera, resolution: tuple[int, int], x: float, y: float) -> Pick | None:
+def pick(
+    model: Model,
+    camera: Camera,
+    resolution: tuple[int, int],
+    x: float,
+    y: float,
+    sections: Sequence[Section] = (),
+) -> Pick | None:
     """The facts of the point that `model` shows at a place in a picture; None where it shows background.
 
     resolution: width and height of the picture in pixels. x, y: a place in it, in pixels from its top left corner and
     not only whole ones: the centre of pixel (i, j) is (i + 0.5, j + 0.5). It may be outside the picture.
+    sections: planes that cut the model, as in render; what they take away is not picked, their caps are.
 
     The renderer solves the ray through that place. Raises ValueError for a place that is not finite or a picture
     without pixels, InputError for a model with nothing to draw.
     """
     if not (math.isfinite(x) and math.isfinite(y)):
         raise ValueError(f"pick at ({x}, {y}): give finite pixel coordinates")
-    frame = render(
-        model, _camera_of_pixel(camera, resolution, x, y), (1, 1), samples=1, threads=1, buffers=("face", "uv")
-    )
+    eye = _camera_of_pixel(camera, resolution, x, y)
+    buffers = ("face", "uv", "depth") if sections else ("face", "uv")
+    frame = render(model, eye, (1, 1), samples=1, threads=1, buffers=buffers, sections=sections)
     face = int(frame.face[0, 0])
-    if face < 0:
+    if face == -1:
         return None
+    if face < -1:
+        position = eye.point_at((0.5, 0.5), (1, 1), float(frame.depth[0, 0]))
+        return _on_cap(face, position, sections[-2 - face], camera)
     point = evaluate(model, [face], frame.uv[0])
     node = _node_of(model, face)
     definition = model.face_definition[face]
-    deviations = model.edge_use_deviation[model.edge_use_face == face]
     position = point.position[0]
     return Pick(
         face=face,
@@ -125,7 +155,28 @@ def pick(model: Model, camera: Camera, resolution: tuple[int, int], x: float, y:
         ),
         depth=float((position - camera.position) @ camera.direction),
         conversion_error=float(model.conversion_error[definition]),
-        trim_deviation=float(np.fmax.reduce(deviations, initial=np.nan)),
+        trim_deviation=model.trim_deviation(face),
+    )
+
+
+def _on_cap(face: int, position: np.ndarray, section: Section, camera: Camera) -> Pick:
+    normal = np.array(section.normal)
+    across = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+    across /= np.linalg.norm(across)
+    return Pick(
+        face=face,
+        name="",
+        part=(),
+        node=-1,
+        surface_type="plane",
+        uv=(math.nan, math.nan),
+        position=_vector(position),
+        normal=section.normal,
+        principal_curvatures=(0.0, 0.0),
+        principal_directions=(_vector(across), _vector(np.cross(normal, across))),
+        depth=float((position - camera.position) @ camera.direction),
+        conversion_error=math.nan,
+        trim_deviation=math.nan,
     )
 
 

@@ -19,6 +19,7 @@ from .errors import InputError
 from .frame import Frame, check_extension
 from .model import Model
 from .render import DEFAULT_BUFFERS, DEFAULT_METHOD, check_request, render
+from .section import Section
 
 DEFAULT_DIRECTION = (-1.0, 1.0, -0.5)
 WHITE = (1.0, 1.0, 1.0)
@@ -37,6 +38,7 @@ def show(
     height: int = 720,
     samples: int = 16,
     edges: bool = False,
+    sections: Sequence[Section] = (),
     background: Sequence[float] | None = WHITE,
     screenshot: str | PathLike[str] | None = None,
     interact: bool | None = None,
@@ -51,7 +53,7 @@ def show(
         Color; alpha is 0 (transparent) to 1.
     camera: a Camera, a camera file, or a picture that nofacet made. Without one the objects are fitted, seen along
         `direction` (from the eye into the scene, or one of front, back, left, right, top, bottom, iso) with `zoom`.
-    width, height, samples, edges: of the picture, in pixels; see `render`.
+    width, height, samples, edges: of the picture, in pixels; see `render`. sections: planes that cut the objects.
     screenshot: write this .png, .exr or .npz file and open no window. background: three sRGB values from 0 to 1 behind
         a .png; None: transparent.
     interact: True opens a window in any case, False never; None: unless a screenshot is asked for, or in a notebook.
@@ -74,12 +76,14 @@ def show(
     quiet = file is not None or _in_notebook()
     frame = None
     if quiet or interact is False:
-        frame = render(model, camera, (width, height), samples=samples, edges=edges)
+        frame = render(model, camera, (width, height), samples=samples, edges=edges, sections=sections)
+        for warning in frame.stats.get("warnings", ()):
+            warnings.warn(warning, stacklevel=2)
     if file and frame:
         behind = background if file.suffix.lower() == ".png" else None
         (frame if behind is None else frame.over(behind)).save(file)
     if interact or (interact is None and not quiet):
-        _open_window(model, camera, title)
+        _open_window(model, camera, title, sections)
         return None
     return frame
 
@@ -163,10 +167,10 @@ def _in_notebook() -> bool:
     return getattr(shell, "kernel", None) is not None
 
 
-def _open_window(model: Model, camera: Camera, title: str) -> None:
+def _open_window(model: Model, camera: Camera, title: str, sections: Sequence[Section]) -> None:
     try:
         app = importlib.import_module("nofacet_viewer.app")
     except ImportError as problem:
         how = "pip install 'nofacet[viewer]', or draw without a window: screenshot='part.png'"
         raise ImportError(f"there is no window to open ({problem}); {how}") from None
-    app.open_window(model, camera=camera, title=title)
+    app.open_window(model, camera=camera, title=title, sections=sections)

@@ -15,6 +15,7 @@ from typing import Any
 
 import nofacet
 
+from .actions import perform
 from .controls import Button, Point
 from .exact import Exact, ExactRenderer, Request
 from .keymap import Keymap, KeymapError
@@ -42,6 +43,7 @@ class Options:
     camera: nofacet.Camera | None = None
     size: tuple[int, int] = SIZE
     watch: bool = False
+    sections: Sequence[nofacet.Section] = ()
 
 
 @dataclass
@@ -52,6 +54,7 @@ class Painted:
     mesh: Any = None
     difference: Any = None
     exact: Exact | None = None
+    selected: Any = None
     state: Any = None
     camera: nofacet.Camera | None = None
     size: tuple[int, int] = (0, 0)
@@ -64,7 +67,13 @@ class App:
         """Raises InputError where no window can be opened."""
         self.window = Window(TITLE, options.size)
         self.session = Session(
-            options.files, options.view, options.camera, self.window.size, options.watch, self.window.wake
+            options.files,
+            options.view,
+            options.camera,
+            self.window.size,
+            options.watch,
+            self.window.wake,
+            options.sections,
         )
         self.keymap, problem = (keymap, None) if keymap else _user_keymap()
         if problem:
@@ -131,11 +140,11 @@ class App:
         elif action == "quit":
             self._quit = True
         else:
-            self.session.perform(action)
+            perform(self.session, action)
 
     def on_press(self, button: Button, at: Point, modifiers: frozenset[str]) -> None:
         self._touch()
-        self.session.press(button, at, shift="Shift" in modifiers)
+        self.session.press(button, at, shift="Shift" in modifiers, ctrl="Ctrl" in modifiers)
 
     def on_release(self, button: Button, at: Point) -> None:
         self._touch()
@@ -174,6 +183,7 @@ class App:
     def _update(self) -> None:
         """Take over what other threads have finished, and ask them for what is needed next."""
         session = self.session
+        session.over_picture = not self.window.over_panel
         if self.window.resized:
             self.window.resized = False
             session.size = self.window.size
@@ -189,7 +199,8 @@ class App:
             session.exact = latest
             self._frames_due = max(self._frames_due, 1)
         exact = session.exact
-        if exact and exact.is_full and exact.request.model is session.drawn and session.state.view.shows_mesh:
+        whole = exact and exact.is_full and exact.request.model is session.drawn and not session.state.sections
+        if exact and whole and session.state.view.shows_mesh:
             session.tessellated.compare(exact.request.model, exact.request.camera, exact.request.resolution)
 
     def _request(self) -> Request | None:
@@ -207,6 +218,7 @@ class App:
             tuple(dict.fromkeys(needed)),
             edges="edges" in overlays,
             curvature="curvature" in overlays,
+            sections=session.state.sections,
         )
 
     def _paint(self) -> bool:
@@ -215,11 +227,9 @@ class App:
         if 0 in session.size:
             return False
         given = self._give_to_painter()
-        exact = session.exact
-        # Both sides show the camera of the exact frame, so that they move together.
-        shows_frame = exact and session.state.view.shows_exact and exact.request.model is session.drawn
-        camera = exact.request.camera if exact and shows_frame else session.camera
-        state = session.state.copy()
+        camera, state, exact = session.camera, session.state.copy(), session.shown_exact
+        if exact:
+            camera, state.sections = exact.request.camera, exact.request.sections
         if camera is None or not (
             given or self.painter.busy or (state, camera, session.size) != (painted.state, painted.camera, painted.size)
         ):
@@ -238,12 +248,13 @@ class App:
         if painted.mesh is not mesh:
             painted.mesh, painted.difference = mesh, None
             self.painter.set_mesh(mesh)
-        difference = session.tessellated.difference
-        if difference and session.exact and difference.camera != session.exact.request.camera:
-            difference = None
+        difference = session.difference
         if painted.difference is not difference:
             painted.difference = difference
             self.painter.set_difference(difference)
+        if painted.selected is not session.inspection.selected:
+            painted.selected = session.inspection.selected
+            self.painter.set_selected(painted.selected)
         if painted.exact is not session.exact:
             painted.exact = session.exact
             exact = session.exact
@@ -279,12 +290,12 @@ class App:
 
     def _save_exact(self) -> None:
         session = self.session
-        model, camera, size = session.drawn, session.camera, session.size
+        model, camera, size, sections = session.drawn, session.camera, session.size, session.state.sections
         if model is None or camera is None:
             return
         path = picture_path(session.path, Path.cwd())
         session.say(f"{path.name}: being drawn")
-        session.tasks.run(lambda: save_exact(path, model, camera, size), self._saved)
+        session.tasks.run(lambda: save_exact(path, model, camera, size, sections), self._saved)
 
     def _saved(self, result: Path | Exception) -> None:
         if isinstance(result, Path):

@@ -37,6 +37,15 @@ class AssemblyRows:
             self._open ^= {row.node}
             self.rows = self._made()
 
+    def reveal(self, face: int, node: int) -> int:
+        """Open the nodes above a face, down to the one that holds it (-1: none does); the index of the face's row."""
+        tree = self.appearance.model.tree
+        while node >= 0:
+            self._open.add(node)
+            node = tree[node].parent
+        self.rows = self._made()
+        return next(index for index, row in enumerate(self.rows) if row.face == face)
+
     def faces_of(self, row: Row) -> Faces:
         """The faces that a row stands for."""
         if row.face is not None:

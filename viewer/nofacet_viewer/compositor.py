@@ -24,12 +24,20 @@ class Compositor:
         self._arrays = {target: context.vertex_array(target, []) for target in (self._compose, self._difference)}
         self._no_face = context.texture((1, 1), 1, np.full(1, -1, np.int32), dtype="i4")
         self._no_error = context.texture((1, 1), 2, np.zeros(2, np.float32), dtype="f4")
+        self._no_mark = context.texture((1, 1), 4, np.zeros(4, np.float32), dtype="f4")
         self._no_face.filter = moderngl.NEAREST, moderngl.NEAREST
 
     def draw(self, picture: SidePicture, pane: Pane, background: RGB) -> None:
         """A side's picture before the background; the framebuffer's scissor says which part of the pane."""
-        set_uniforms(self._compose, top_first=picture.top_first, background=background)
-        bind(self._compose, picture=picture.surfaces, lines=picture.lines)
+        has_marks = picture.face is not None and picture.marks is not None
+        set_uniforms(self._compose, top_first=picture.top_first, has_marks=has_marks, background=background)
+        bind(
+            self._compose,
+            picture=picture.surfaces,
+            lines=picture.lines,
+            frame_face=picture.face or self._no_face,
+            face_marks=picture.marks or self._no_mark,
+        )
         self._fill(self._compose, pane)
 
     def draw_difference(
@@ -63,7 +71,8 @@ class Compositor:
         ramp.release()
 
     def release(self) -> None:
-        for held in (*self._arrays.values(), self._compose, self._difference, self._no_face, self._no_error):
+        empty = self._no_face, self._no_error, self._no_mark
+        for held in (*self._arrays.values(), self._compose, self._difference, *empty):
             held.release()
 
     def _fill(self, target: moderngl.Program, pane: Pane) -> None:

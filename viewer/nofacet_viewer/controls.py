@@ -14,6 +14,7 @@ ORBIT_DEGREES = 200.0  # for a drag over the pane's smaller side
 DRAG_ZOOM = 4.0  # factor for a drag over half the pane's height
 WHEEL_ZOOM = 1.1  # factor for one notch
 CLICK_PIXELS = 3.0  # a press that moves no farther is a click
+DOUBLE_CLICK_SECONDS = 0.4  # between two clicks in the same place, at most
 
 Point = tuple[float, float]
 
@@ -45,6 +46,26 @@ class Drag:
     @property
     def moves_divider(self) -> bool:
         return self.motion is Motion.WIPE and not self.click
+
+
+class DoubleClick:
+    """Which clicks are the second one of two."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Point, float] | None = None
+
+    def ends(self, at: Point, now: float) -> bool:
+        """Whether a click ends a double click. now: seconds of any clock."""
+        last = self._last
+        if (
+            last
+            and now - last[1] <= DOUBLE_CLICK_SECONDS
+            and max(abs(at[0] - last[0][0]), abs(at[1] - last[0][1])) <= CLICK_PIXELS
+        ):
+            self._last = None
+            return True
+        self._last = at, now
+        return False
 
 
 class Controls:

@@ -29,7 +29,7 @@ FULL_SAMPLES = REFINEMENTS[-1]
 @dataclass(frozen=True)
 class Request:
     """What the exact picture shows: resolution in pixels, the frame buffers that are needed, whether with edges drawn
-    and with the surfaces' curvature."""
+    and with the surfaces' curvature, and the planes that cut the model."""
 
     model: nofacet.Model
     camera: nofacet.Camera
@@ -37,6 +37,11 @@ class Request:
     buffers: tuple[str, ...] = ("color", "depth", "face")
     edges: bool = False
     curvature: bool = False
+    sections: tuple[nofacet.Section, ...] = ()
+
+    def moves_on_from(self, other: Request) -> bool:
+        """Whether only the camera or the section planes are others."""
+        return replace(other, camera=self.camera, sections=self.sections) == self
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,7 @@ class ExactRenderer:
                 return
             before, self._request = self._request, request
             self._number += 1
-            only_moved = request and before and replace(before, camera=request.camera) == request
+            only_moved = request and before and request.moves_on_from(before)
             if not (self._moving and only_moved):
                 self._cancel.set()
             self._changed.notify()
@@ -160,6 +165,7 @@ class ExactRenderer:
             threads=self._threads,
             buffers=request.buffers,
             edges=request.edges,
+            sections=request.sections,
             cancel=self._cancel,
         )
         seconds = time.perf_counter() - start

@@ -63,6 +63,7 @@ class ExactLayer:
         textures = {
             "face_colors": colors.texture,
             "ramp": ramp,
+            "frame_color": self.color,
             "frame_face": self.face,
             "frame_normal": self._normal,
             "frame_coverage": self._coverage,

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import nofacet
 
+from .section_planes import Bounds
 from .tasks import give_way
 
 DIRECTION = (-1.0, 1.0, -0.5)  # of a camera that nobody has chosen: from the eye into the scene
@@ -16,7 +17,7 @@ DIRECTION = (-1.0, 1.0, -0.5)  # of a camera that nobody has chosen: from the ey
 
 @dataclass(frozen=True)
 class Loaded:
-    """A file that was read, and a camera that sees all of it; only one of `model` and `problem` is not None.
+    """A file that was read, its box and a camera that sees all of it; only one of `model` and `problem` is not None.
 
     problem: one line, as on the command line. measured: the errors of its conversion are in the model.
     """
@@ -24,6 +25,7 @@ class Loaded:
     path: str
     model: nofacet.Model | None = None
     camera: nofacet.Camera | None = None
+    bounds: Bounds | None = None
     problem: str | None = None
     measured: bool = False
 
@@ -75,7 +77,7 @@ class Loader:
                 path, timeout=self._timeout, progress=self._show_stage, measure=measured, cancel=cancel
             )
             camera = nofacet.Camera.fit(model, direction=DIRECTION, resolution=resolution)
-            loaded = Loaded(path, model, camera, measured=measured)
+            loaded = Loaded(path, model, camera, Bounds.of(model), measured=measured)
         except nofacet.Cancelled:
             return
         except (ValueError, OSError) as error:

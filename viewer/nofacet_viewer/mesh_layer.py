@@ -7,12 +7,15 @@ long.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 import nofacet
 
+from .clipping import clipped
 from .programs import bind, program, set_light, set_uniforms
 from .projection import Projection, project
 from .targets import SurfaceTarget
@@ -36,10 +39,11 @@ class FaceColors:
 
 
 class MeshLayer:
-    """One mesh on the graphics card."""
+    """One mesh on the graphics card. sections: planes that cut what is drawn of it; it shows no caps."""
 
     def __init__(self, context: moderngl.Context, mesh: nofacet.Mesh) -> None:
         self.mesh = mesh
+        self.sections: Sequence[nofacet.Section] = ()
         self._context = context
         self.bounds = _bounds(mesh.points)
         self.center = (self.bounds[0] + self.bounds[1]) / 2
@@ -58,10 +62,17 @@ class MeshLayer:
         return project(camera, size, self.center, self.bounds)
 
     def draw(
-        self, projection: Projection, colors: FaceColors, shading: str, ramp: moderngl.Texture, ramp_end: float
+        self,
+        projection: Projection,
+        colors: FaceColors,
+        marks: FaceColors,
+        shading: str,
+        ramp: moderngl.Texture,
+        ramp_end: float,
     ) -> None:
         """Draw into the framebuffer in use: linear RGBA, alpha premultiplied.
 
+        marks: what is mixed into the faces' pictures, and how much of it.
         shading: "lit" shows the faces' colours, "zebra" and "curvature" show all faces opaque. ramp, ramp_end: the
         colours of curvatures from -ramp_end to ramp_end.
         """
@@ -71,16 +82,17 @@ class MeshLayer:
         self._prepare(array.program, projection)
         set_light(array.program, projection)
         set_uniforms(array.program, ramp_end=ramp_end)
-        bind(array.program, face_colors=colors.texture, ramp=ramp)
+        bind(array.program, face_colors=colors.texture, face_marks=marks.texture, ramp=ramp)
         self._context.enable_only(moderngl.DEPTH_TEST)
-        array.render(vertices=3 * len(opaque))
-        if len(transparent):
-            self._context.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-            self._context.blend_equation = moderngl.FUNC_ADD
-            self._context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
-            self._context.fbo.depth_mask = False
-            array.render(vertices=3 * len(transparent), first=3 * len(opaque))
-            self._context.fbo.depth_mask = True
+        with clipped(self._context, array.program, self.sections, self.center):
+            array.render(vertices=3 * len(opaque))
+            if len(transparent):
+                self._context.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+                self._context.blend_equation = moderngl.FUNC_ADD
+                self._context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+                self._context.fbo.depth_mask = False
+                array.render(vertices=3 * len(transparent), first=3 * len(opaque))
+                self._context.fbo.depth_mask = True
 
     def draw_surface(self, projection: Projection, colors: FaceColors, target: SurfaceTarget) -> None:
         """Draw depth and face of the nearest triangle at every pixel's centre."""
@@ -90,7 +102,8 @@ class MeshLayer:
         array = self._array("surface.frag")
         self._prepare(array.program, projection)
         self._context.enable_only(moderngl.DEPTH_TEST)
-        array.render(vertices=3 * len(shown))
+        with clipped(self._context, array.program, self.sections, self.center):
+            array.render(vertices=3 * len(shown))
 
     def release(self) -> None:
         for array in self._arrays.values():

@@ -46,18 +46,20 @@ def write_view(
     setting: nofacet.MeshSetting = DEFAULT_SETTING,
     wipe: float = 0.5,
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    sections: Sequence[nofacet.Section] = (),
 ) -> None:
     """Draw what the window would show of `source` (what nofacet.load takes), its figures below, into a PNG file.
 
     view: a View or its value. resolution: width and height of the whole picture. camera: by default it fits the model;
     the picture carries it in its metadata. overlays: names from painter.OVERLAYS. setting: how OpenCascade meshes.
-    wipe: fraction of the width that the exact side has in that view. background: linear RGB.
+    wipe: fraction of the width that the exact side has in that view. background: linear RGB. sections: planes that cut
+    the model; the outline error, which is of whole models, is left out then.
 
     Raises InputError if there is nothing to show or no way to draw off screen, ValueError for a view, overlay or file
     name that makes no sense, OSError where the file cannot be written.
     """
     output = Path(output)
-    state = ViewState(_view(view), wipe, overlays=_known(overlays), background=background)
+    state = ViewState(_view(view), wipe, overlays=_known(overlays), background=background, sections=tuple(sections))
     if output.suffix.lower() != ".png":
         raise ValueError(f"{output}: pictures of views are written as .png")
     height = resolution[1] - caption_height(resolution[1])
@@ -123,6 +125,7 @@ class _Scene:
         difference = None
         if self.meshed:
             painter.set_mesh(self.meshed.mesh)
+        if self.meshed and not self.state.sections:
             pane = pane_resolution(self.state.view, self.size)
             difference = outline_difference(self.model, self.meshed.mesh, self.camera, pane)
             painter.set_difference(difference)
@@ -142,10 +145,13 @@ class _Scene:
         resolution = painter.exact_resolution(self.state.view, self.size)
         if resolution is None:
             return 0.0
-        buffers, edges = painter.exact_buffers(self.state), "edges" in self.state.overlays
-        nofacet.render(self.model, self.camera, (16, 16), samples=1)  # prepares the model
+        buffers, sections = painter.exact_buffers(self.state), self.state.sections
+        edges = "edges" in self.state.overlays
+        nofacet.render(self.model, self.camera, (16, 16), samples=1, sections=sections)  # prepares the model
         start = time.perf_counter()
-        frame = nofacet.render(self.model, self.camera, resolution, samples=SAMPLES, buffers=buffers, edges=edges)
+        frame = nofacet.render(
+            self.model, self.camera, resolution, samples=SAMPLES, buffers=buffers, edges=edges, sections=sections
+        )
         seconds = time.perf_counter() - start
         painter.set_exact(frame, frame_curvature(self.model, frame) if "uv" in buffers else None)
         return seconds

@@ -41,6 +41,7 @@ class Painter:
         self._compositor = Compositor(context)
         self._model: nofacet.Model | None = None
         self._size = 1.0
+        self._selected = np.zeros(0, bool)
         self._palette: Palette | None = None
         self._palette_of: str | None = None
         self._difference: OutlineDifference | None = None
@@ -54,6 +55,11 @@ class Painter:
             self._lines.set_model(model)
         self._model = model
         self._size = 1.0 if model is None else _diagonal(model)
+        self._forget_palette()
+
+    def set_selected(self, selected: NDArray[np.bool_]) -> None:
+        """Mark these faces (F,) of the model, on both sides."""
+        self._selected = selected
         self._forget_palette()
 
     def set_mesh(self, mesh: nofacet.Mesh | None) -> None:
@@ -117,6 +123,7 @@ class Painter:
     def paint(self, state: ViewState, camera: nofacet.Camera, framebuffer: moderngl.Framebuffer, size: Size) -> None:
         """Draw the view into the framebuffer's lower left corner, `size` pixels of it, 8-bit sRGB."""
         shown = panes(state.view, size)
+        self._drawn.cut(state.sections)
         pictures = [self._picture(pane, state, camera) for pane in shown]
         self._shows_drawn = any(
             picture is not None and pane.side is View.TESSELLATED for pane, picture in zip(shown, pictures, strict=True)
@@ -193,7 +200,9 @@ class Painter:
         if self._palette is None or self._palette_of != analysis:
             self._forget_palette()
             scale = scale_of(overlays, self._model, self._size)
-            self._palette = Palette(self._context, face_colors(overlays, self._model), scale)
+            selected = np.zeros(self._model.face_count, bool)
+            selected[: len(self._selected)] = self._selected[: len(selected)]
+            self._palette = Palette(self._context, face_colors(overlays, self._model), scale, selected)
             self._palette_of = analysis
         return self._palette
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from importlib.metadata import version
 from itertools import count
 from pathlib import Path
@@ -33,7 +34,13 @@ def save_window(path: Path, pixels: NDArray[np.uint8], camera: nofacet.Camera | 
     return path
 
 
-def save_exact(path: Path, model: nofacet.Model, camera: nofacet.Camera, size: tuple[int, int]) -> Path:
+def save_exact(
+    path: Path,
+    model: nofacet.Model,
+    camera: nofacet.Camera,
+    size: tuple[int, int],
+    sections: Sequence[nofacet.Section] = (),
+) -> Path:
     """Draw the model in full quality and write it with a transparent background. Raises InputError, OSError."""
-    nofacet.render(model, camera, size, samples=FULL_SAMPLES, buffers=("color",)).save(path)
+    nofacet.render(model, camera, size, samples=FULL_SAMPLES, buffers=("color",), sections=sections).save(path)
     return path

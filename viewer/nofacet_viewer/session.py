@@ -5,18 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import floor
 
 import numpy as np
 
 import nofacet
-from nofacet.camera import VIEWS, Vector, as_vector
+from nofacet.camera import Vector, as_vector
 
-from .appearance import Appearance, Faces
-from .controls import Button, Controls, Point, zoom_wheel
+from .appearance import Appearance
+from .controls import Button, Controls, DoubleClick, Motion, Point, zoom_wheel
+from .difference import OutlineDifference
 from .exact import Exact
-from .loading import Loaded, Loader, one_line
-from .painter import OVERLAYS
+from .hover import Hover, hover_in
+from .inspection import Inspection, Place, part_of
+from .loading import Loaded, Loader
 from .panes import Pane, pane_resolution, panes
+from .section_planes import Bounds, SectionPlanes
 from .state import View, ViewState
 from .tasks import Tasks
 from .tessellated import Tessellated
@@ -25,14 +29,6 @@ from .watch import FileWatch
 NOTICE_SECONDS = 5.0
 BLINK_SECONDS = 0.6  # that each side is shown
 DIVIDER_REACH = 6.0  # pixels from a wipe's divider within which the mouse takes it
-
-
-@dataclass(frozen=True)
-class Hover:
-    """What is under the cursor: the face's index and the world point."""
-
-    face: int
-    point: Vector
 
 
 @dataclass(frozen=True)
@@ -55,10 +51,12 @@ class Session:
         size: tuple[int, int] = (1280, 720),
         watch: bool = False,
         wake: Callable[[], None] = lambda: None,
+        sections: Sequence[nofacet.Section] = (),
     ) -> None:
         """files: models to show, the first one now. camera: for the first one, None: fitted. size: of the window in
-        pixels. wake: called by other threads when update() has something to do."""
-        self.state = ViewState(view)
+        pixels. wake: called by other threads when update() has something to do. sections: that cut the first model."""
+        self.planes = SectionPlanes(sections)
+        self.state = ViewState(view, sections=self.planes.sections)
         self.size = size
         self.watches = watch
         self.loader = Loader(wake)
@@ -70,9 +68,13 @@ class Session:
         self.drawn: nofacet.Model | None = None  # the model as it is drawn: appearance.applied()
         self.described: nofacet.Model | None = None  # the same, with the errors of its conversion once they are known
         self.exact: Exact | None = None  # the frame shown last
-        self.selected = np.zeros(0, bool)  # (F,)
+        self.bounds: Bounds | None = None  # of the model
+        self.inspection = Inspection(wake)
         self.notice: Notice | None = None
         self.cursor: Point = (0.0, 0.0)
+        self.over_picture = True  # the cursor: not over a panel
+        self._double_click = DoubleClick()
+        self._adds = False  # the click that has begun: to what is selected
         self._anchor: Vector | None = None  # what Ctrl+wheel zooms to, until the mouse moves
         self.files: list[str] = []
         self.index = 0
@@ -94,6 +96,12 @@ class Session:
     def model(self) -> nofacet.Model | None:
         """The model as it was read."""
         return self.appearance.model if self.appearance else None
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is said of the model by its reader, and of how section planes cut it."""
+        cuts = self.exact.frame.stats.get("warnings", []) if self.exact else []
+        return [*(self.model.warnings if self.model else []), *cuts]
 
     def open(self, files: Sequence[str], keep_camera: bool = False) -> None:
         """Show the first of these files and step through them from now on."""
@@ -139,7 +147,10 @@ class Session:
         if loaded.measured:  # looks the same: nothing has to be drawn again
             self.described = self.appearance.applied()
             return
-        self.selected = np.zeros(loaded.model.face_count, bool)
+        if self.bounds and not same_file:
+            self.planes = SectionPlanes()
+        self.bounds = loaded.bounds
+        self.inspection.begin(loaded.model.face_count)
         self.appearance_changed()
         if self.camera is None or not self._keeps_camera:
             self.camera = loaded.camera
@@ -163,7 +174,9 @@ class Session:
 
         now: time.monotonic().
         """
-        changed = self.tasks.poll() | self.tessellated.poll()
+        self.state.sections = self.planes.sections
+        self.inspection.look(self._place(self.cursor) if self.over_picture and self._at_rest else None)
+        changed = self.tasks.poll() | self.tessellated.poll() | self.inspection.poll()
         if self._to_measure and not self.tessellated.busy and self.loader.path is None:
             self.loader.start(self._to_measure, self.pane_size, measured=True)
             self._to_measure = None
@@ -188,52 +201,11 @@ class Session:
         self.loader.cancel()
         self.tessellated.forget()
 
-    # Actions of the keymap
-
-    def perform(self, action: str) -> bool:
-        """Do what a key is for; False for what is not the session's: pictures, help, panels, quitting."""
-        if action in VIEWS:
-            self.look_along(*VIEWS[action])
-        elif action == "fit" and self.camera:
-            self.look_along(tuple(self.camera.direction), self.camera.view_up)
-        elif action == "projection":
-            self.toggle_projection()
-        elif action in {view.value for view in View}:
-            self.show_view(View(action))
-        elif action in OVERLAYS:
-            self.state.toggle_overlay(action)
-        elif action in ("next-file", "previous-file"):
-            self.step_file(1 if action == "next-file" else -1)
-        elif action == "reload":
-            self.reload()
-        elif action == "show-all" and self.appearance:
-            self.appearance.show_all()
-            self.appearance_changed()
-        else:
-            return action in ("fit", "show-all")
-        return True
+    # What keys do: viewer/actions.py
 
     def show_view(self, view: View) -> None:
         self.state.view = view
         self._blinked = time.monotonic()
-
-    def look_along(self, direction: Sequence[float], view_up: Sequence[float]) -> None:
-        """Look at all that is visible along a direction (from the eye into the scene), in the present projection."""
-        model, camera = self.drawn, self.camera
-        if model is None or camera is None:
-            return
-        options = {"view_angle": camera.view_angle} if camera.view_angle else {}
-
-        def fit() -> nofacet.Camera:
-            return nofacet.Camera.fit(model, direction, camera.projection, self.pane_size, view_up, **options)
-
-        def take(fitted: nofacet.Camera | Exception) -> None:
-            if isinstance(fitted, nofacet.Camera):
-                self.camera = fitted
-            else:
-                self.say(one_line(fitted))
-
-        self.tasks.run(fit, take)
 
     def toggle_projection(self) -> None:
         if self.camera:
@@ -244,6 +216,37 @@ class Session:
         """To be called after a change of `appearance`."""
         if self.appearance:
             self.drawn = self.described = self.appearance.applied()
+
+    def cut_along_face(self) -> None:
+        """Add a section plane through the point under the cursor, with the normal that its face has there."""
+
+        def cut(pick: nofacet.Pick | None) -> None:
+            if pick:
+                self.planes.add(pick.position, pick.normal)
+            else:
+                self.say("there is no surface under the cursor to cut along")
+
+        place = self._place(self.cursor)
+        if place:
+            self.inspection.click(place, cut)
+
+    # What the window shows by now
+
+    @property
+    def shown_exact(self) -> Exact | None:
+        """The exact frame that the view shows; both sides show its camera and its section planes, so that they move
+        together."""
+        exact = self.exact
+        shows = exact and self.state.view.shows_exact and exact.request.model is self.drawn
+        return exact if shows else None
+
+    @property
+    def difference(self) -> OutlineDifference | None:
+        """The outline error of what is shown; None with section planes: it is measured of whole models."""
+        found, exact = self.tessellated.difference, self.exact
+        if self.state.sections or (found and exact and found.camera != exact.request.camera):
+            return None
+        return found
 
     # The mouse
 
@@ -261,8 +264,8 @@ class Session:
         """Whether the mouse at x takes the divider of a wipe."""
         return self.state.view is View.WIPE and abs(x - self.state.wipe * self.size[0]) <= DIVIDER_REACH
 
-    def press(self, button: Button, at: Point, shift: bool = False) -> None:
-        self.cursor = at
+    def press(self, button: Button, at: Point, shift: bool = False, ctrl: bool = False) -> None:
+        self.cursor, self._adds = at, ctrl
         self.controls.press(button, at, self.pane_at(at[0]), shift, self.on_divider(at[0]))
 
     def move(self, at: Point) -> None:
@@ -284,12 +287,19 @@ class Session:
         if button is Button.MIDDLE and hover:
             self.camera = self.camera.centre_on(hover.point)
         elif button is Button.LEFT:
-            self.select(np.array([hover.face] if hover else [], np.int32))
+            self._click(at, whole_part=self._double_click.ends(at, time.monotonic()) or drag.motion is Motion.PAN)
 
-    def select(self, faces: Faces) -> None:
-        """Select these faces in place of what was selected."""
-        self.selected[:] = False
-        self.selected[faces] = True
+    def _click(self, at: Point, whole_part: bool) -> None:
+        """Measure from or to what is there, or select it, once it is known."""
+        place, inspection, add = self._place(at), self.inspection, self._adds
+        if place is None:
+            return
+
+        def select(pick: nofacet.Pick | None) -> None:
+            faces = np.array([pick.face] if pick and pick.section is None else [], np.int32)
+            inspection.select(part_of(place.model, pick) if pick and len(faces) and whole_part else faces, pick, add)
+
+        inspection.click(place, inspection.add_point if inspection.measuring else select)
 
     def wheel(self, notches: float, to_cursor: bool = False) -> None:
         if self.camera is None:
@@ -300,20 +310,29 @@ class Session:
 
     @property
     def hover(self) -> Hover | None:
-        """What the frame that is shown has under the cursor; None on background and while the camera moves."""
-        exact, camera = self.exact, self.camera
-        if exact is None or camera is None or exact.request.camera != camera or exact.request.model is not self.drawn:
+        """What is under the cursor; None on background, while the camera moves, and where it is not known yet."""
+        if not self._at_rest:
             return None
-        pane, frame = self.pane_at(self.cursor[0]), exact.frame
-        x, y = self.cursor[0] - pane.x, self.cursor[1]
-        column, row = int(x * frame.width / pane.width), int(y * frame.height / pane.height)
-        if not (0 <= column < frame.width and 0 <= row < frame.height) or frame.face[row, column] < 0:
+        if self.shown_exact:
+            return hover_in(self.shown_exact.frame, self.pane_at(self.cursor[0]), self.cursor)
+        pick = self.inspection.at(self._place(self.cursor))
+        return Hover(pick.face, pick.position) if pick else None
+
+    @property
+    def _at_rest(self) -> bool:
+        """Whether what is shown is what is to be shown, so that the surfaces are where they are seen."""
+        exact = self.shown_exact
+        if exact is None:
+            return not self.state.view.shows_exact and self.controls.drag is None
+        return (exact.request.camera, exact.request.sections) == (self.camera, self.state.sections)
+
+    def _place(self, at: Point) -> Place | None:
+        """The centre of the pixel at a place in the window; None without a model."""
+        if self.drawn is None or self.described is None or self.camera is None:
             return None
-        # The value holds at the pixel's centre.
-        centre = (column + 0.5) * pane.width / frame.width, (row + 0.5) * pane.height / frame.height
-        return Hover(
-            int(frame.face[row, column]), as_vector(camera.point_at(centre, pane.size, float(frame.depth[row, column])))
-        )
+        pane = self.pane_at(at[0])
+        centre = floor(at[0] - pane.x) + 0.5, floor(at[1]) + 0.5
+        return Place(self.drawn, self.described, self.camera, pane.size, centre, self.state.sections)
 
     def _zoom_centre(self) -> Vector:
         """The world point that zooming to the cursor leaves in place; on background one at the focal point's depth."""

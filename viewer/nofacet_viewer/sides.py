@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,29 +24,44 @@ from .targets import SAMPLES, ColorTarget, SurfaceTarget
 
 Size = tuple[int, int]
 
+MARK = (1.0, 0.27, 0.0, 0.55)  # of what is selected: linear RGB, and how much of it is mixed in
+
 
 @dataclass(frozen=True)
 class SidePicture:
     """Textures, linear RGBA with premultiplied alpha: the surfaces, and the lines over them (row 0 at the bottom).
 
     top_first: the surfaces' row 0 is the picture's top.
+    face, marks: the surfaces' faces and what is still to be mixed into their pictures; None: nothing.
     """
 
     surfaces: moderngl.Texture
     top_first: bool
     lines: moderngl.Texture
+    face: moderngl.Texture | None = None
+    marks: moderngl.Texture | None = None
 
 
 class Palette:
-    """What both sides colour surfaces with: the faces' colours and the ramp of the curvature scale."""
+    """What both sides colour surfaces with: the faces' colours and the ramp of the curvature scale; and what marks the
+    faces that are selected (F,)."""
 
-    def __init__(self, context: moderngl.Context, colors: NDArray[np.float32], scale: ColorScale | None) -> None:
+    def __init__(
+        self,
+        context: moderngl.Context,
+        colors: NDArray[np.float32],
+        scale: ColorScale | None,
+        selected: NDArray[np.bool_],
+    ) -> None:
         self.faces = FaceColors(context, colors)
+        self.marks = FaceColors(context, np.where(selected[:, None], np.array(MARK, np.float32), np.float32(0)))
+        self.has_marks = bool(selected.any())
         self.end = scale.high if scale else 1.0
         self.ramp = ramp_texture(context, scale)
 
     def release(self) -> None:
         self.faces.release()
+        self.marks.release()
         self.ramp.release()
 
 
@@ -89,7 +105,9 @@ class ExactSide:
         lines = self._lines.none
         if shown and layer.depth:
             lines = self._lines.draw(shown, layer.frame.camera, size, DepthPicture(layer.depth, top_first=True), 0.0)
-        return SidePicture(surfaces, True, lines)
+        if not palette.has_marks:
+            return SidePicture(surfaces, True, lines)
+        return SidePicture(surfaces, True, lines, layer.face, palette.marks.texture)
 
     def release(self) -> None:
         self.set_frame(None, None)
@@ -125,6 +143,7 @@ class DrawnSide:
         self._surface: SurfaceTarget | None = None
         self._drawn_key: Any = None
         self._refined = True
+        self._sections: tuple[nofacet.Section, ...] = ()
 
     @property
     def busy(self) -> bool:
@@ -136,6 +155,13 @@ class DrawnSide:
             self.layer.release()
         self.layer = None if mesh is None else MeshLayer(self._context, mesh)
         self._drawn_key = None
+        self.cut(self._sections)
+
+    def cut(self, sections: Sequence[nofacet.Section]) -> None:
+        """Leave out what lies beyond these planes."""
+        self._sections = tuple(sections)
+        if self.layer:
+            self.layer.sections = self._sections
 
     def picture(
         self, camera: nofacet.Camera, size: Size, names: frozenset[str], palette: Palette
@@ -144,7 +170,7 @@ class DrawnSide:
         with one sample a pixel; asked for once more, it is drawn with SAMPLES."""
         if self.layer is None:
             return None
-        key = camera, size, shading_of(names), palette
+        key = camera, size, shading_of(names), palette, self._sections
         samples = SAMPLES if self._drawn_key == key else 0
         if not (samples and self._refined):
             self._draw(self.layer.projection(camera, size), size, shading_of(names), palette, samples)
@@ -182,5 +208,5 @@ class DrawnSide:
                 target.release()
             target = self._colors[samples] = ColorTarget(self._context, size, samples)
         target.begin()
-        self.layer.draw(projection, palette.faces, shading, palette.ramp, palette.end)
+        self.layer.draw(projection, palette.faces, palette.marks, shading, palette.ramp, palette.end)
         target.finish()

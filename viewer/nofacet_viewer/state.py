@@ -5,6 +5,8 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, replace
 
+import nofacet
+
 WHITE = (1.0, 1.0, 1.0)
 
 
@@ -32,7 +34,7 @@ class ViewState:
     """What is drawn, and how.
 
     wipe: where the divider is, fraction of the width. blink_exact: which side blink shows now. overlays: names in
-    `nofacet_viewer.painter.OVERLAYS`. background: linear RGB.
+    `nofacet_viewer.painter.OVERLAYS`. background: linear RGB. sections: planes that cut the model.
     """
 
     view: View = View.SIDE_BY_SIDE
@@ -40,6 +42,7 @@ class ViewState:
     blink_exact: bool = True
     overlays: frozenset[str] = frozenset()
     background: tuple[float, float, float] = WHITE
+    sections: tuple[nofacet.Section, ...] = ()
 
     def copy(self) -> ViewState:
         return replace(self)

@@ -96,6 +96,11 @@ class Window:
     def should_close(self) -> bool:
         return bool(glfw.window_should_close(self._handle))
 
+    @property
+    def over_panel(self) -> bool:
+        """Whether the mouse is over a panel, so that its input is not for the picture."""
+        return bool(imgui.get_io().want_capture_mouse)
+
     def set_title(self, title: str) -> None:
         glfw.set_window_title(self._handle, title)
 

@@ -11,7 +11,9 @@ from .figures import show_figures
 from .help import show_help
 from .inspector import show_inspector
 from .layout import MARGIN, OPACITY, SIDE_WIDTH
+from .measuring import show_measurement
 from .messages import show_notice, show_progress, show_warnings
+from .sections import show_sections
 from .settings import show_meshing, show_overlays, show_views
 
 OPEN = imgui.TreeNodeFlags_.default_open.value
@@ -30,6 +32,7 @@ class Panels:
     def draw(self) -> None:
         """Between imgui's new_frame() and render()."""
         width, height = imgui.get_io().display_size
+        show_measurement(self._session, self._session.size[0] / max(width, 1.0))
         if self.shown and self._session.path:
             show_figures(self._session, self._session.size[0] / max(width, 1.0))
             self._draw_side(width, height)
@@ -52,9 +55,11 @@ class Panels:
                 show_overlays(self._session, self._keymap)
             if imgui.collapsing_header("Tessellation", OPEN):
                 show_meshing(self._session)
+            if imgui.collapsing_header("Sections"):
+                show_sections(self._session, self._keymap)
             if imgui.collapsing_header("Assembly"):
                 self._assembly.show(self._session)
             if imgui.collapsing_header("Inspect", OPEN):
-                show_inspector(self._session)
+                show_inspector(self._session, self._keymap)
             show_warnings(self._session)
         imgui.end()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
+import nofacet
+
 from ..appearance import Appearance, Faces
 from ..assembly_rows import AssemblyRows, Row
 from ..session import Session
@@ -17,6 +19,7 @@ class AssemblyPanel:
 
     def __init__(self) -> None:
         self._rows: AssemblyRows | None = None
+        self._revealed: nofacet.Pick | None = None  # whose row has been scrolled to
 
     def show(self, session: Session) -> None:
         """The rows that are in sight; a click with the right button opens a row's menu."""
@@ -26,11 +29,18 @@ class AssemblyPanel:
             return
         if self._rows is None or self._rows.appearance is not appearance:
             self._rows = AssemblyRows(appearance)
+        picked = session.inspection.picked
+        shows_picked = picked is not None and picked is not self._revealed
+        self._revealed = picked
         if imgui.small_button("show all"):
             appearance.show_all()
             session.appearance_changed()
         imgui.begin_child("rows", (0.0, HEIGHT), imgui.ChildFlags_.borders.value)
         clipper = imgui.ListClipper()
+        if picked and picked.section is None and shows_picked:
+            index = self._rows.reveal(picked.face, picked.node)
+            line = imgui.get_frame_height_with_spacing()
+            imgui.set_scroll_y(max(index * line - HEIGHT / 2, 0.0))
         rows = self._rows.rows
         clipper.begin(len(rows))
         while clipper.step():
@@ -55,9 +65,8 @@ class AssemblyPanel:
             appearance.show(faces, visible)
             session.appearance_changed()
         imgui.same_line()
-        selected = bool(len(faces)) and bool(session.selected[faces].all()) if len(session.selected) else False
-        if imgui.selectable(row.label, selected)[0]:
-            session.select(faces)
+        if imgui.selectable(row.label, bool(len(faces)) and bool(session.inspection.selected[faces].all()))[0]:
+            session.inspection.select(faces, add=imgui.get_io().key_ctrl)
         if imgui.begin_popup_context_item("menu"):
             _show_menu(session, appearance, faces)
             imgui.end_popup()

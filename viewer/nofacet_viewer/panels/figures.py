@@ -56,7 +56,7 @@ def _mesh(session: Session) -> None:
         imgui.text_colored(PROBLEM_COLOR, tessellated.problem)
         imgui.pop_text_wrap_pos()
     if tessellated.result:
-        error = tessellated.difference.error if tessellated.difference else None
+        error = session.difference.error if session.difference else None
         imgui.text_colored(FAINT_COLOR, tessellated.result.setting.name)
         for line in mesh_figures(tessellated.result, error):
             imgui.text_unformatted(line)

@@ -1,22 +1,61 @@
-"""What is under the cursor."""
+"""What is under the cursor, what is selected and what is measured."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from imgui_bundle import imgui
 
+import nofacet
+
+from ..actions import perform
+from ..inspection import Inspection
+from ..keymap import Keymap
 from ..session import Session
+from .layout import FAINT_COLOR
+
+LABEL_WIDTH = 76.0
 
 
-def show_inspector(session: Session) -> None:
-    """Face, surface type and point under the cursor, from the buffers of the frame that is shown."""
-    hover, model = session.hover, session.described
-    if hover is None or model is None:
+def show_inspector(session: Session, keymap: Keymap) -> None:
+    """The facts of the surface under the cursor, and below them those of the one that was clicked."""
+    inspection = session.inspection
+    if inspection.hover:
+        _show_pick(inspection.hover)
+    else:
         imgui.text_disabled("nothing under the cursor")
-        return
-    definition = model.face_definition[hover.face]
-    imgui.text_unformatted(f"face {hover.face} {model.face_name[hover.face]}".rstrip())
-    imgui.text_unformatted(model.surface_type[definition])
-    imgui.text_unformatted("({:.6g}, {:.6g}, {:.6g})".format(*hover.point))
-    error = float(model.conversion_error[definition])
-    if error == error:  # not NaN: measured
-        imgui.text_unformatted(f"conversion error {error:.1e}")
+    count = int(inspection.selected.sum())
+    if count or inspection.picked:
+        imgui.separator_text(f"Selected: {count} face{'' if count == 1 else 's'}")
+        if imgui.small_button("isolate"):
+            perform(session, "isolate")
+        imgui.same_line()
+        if imgui.small_button("select nothing"):
+            perform(session, "deselect")
+    if inspection.picked:
+        _show_pick(inspection.picked)
+    _show_measuring(inspection, keymap)
+
+
+def _show_measuring(inspection: Inspection, keymap: Keymap) -> None:
+    keys = keymap.chords["measure"]
+    imgui.separator()
+    if imgui.checkbox(f"measure ({keys[0]})" if keys else "measure", inspection.measuring)[0]:
+        inspection.toggle_measuring()
+    if inspection.measurement:
+        _show_facts(inspection.measurement.facts)
+    elif inspection.measuring:
+        imgui.text_colored(FAINT_COLOR, f"click the {'second' if inspection.points else 'first'} point")
+
+
+def _show_pick(pick: nofacet.Pick) -> None:
+    for line in pick.title:
+        imgui.text_wrapped(line)
+    _show_facts(pick.facts)
+
+
+def _show_facts(facts: Sequence[tuple[str, str]]) -> None:
+    for label, text in facts:
+        imgui.text_colored(FAINT_COLOR, label)
+        imgui.same_line(LABEL_WIDTH)
+        imgui.text_wrapped(text)

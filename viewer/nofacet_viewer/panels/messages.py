@@ -38,8 +38,8 @@ def show_notice(session: Session, size: tuple[float, float]) -> None:
 
 
 def show_warnings(session: Session) -> None:
-    """What the file's reader warns of, in the side panel; nothing where it warns of nothing."""
-    warnings = session.model.warnings if session.model else []
+    """What is to be known of the model and its cuts, in the side panel; nothing where there is nothing to be said."""
+    warnings = session.warnings
     if warnings and imgui.collapsing_header(f"Warnings ({len(warnings)})###warnings"):
         for warning in warnings[:MOST_WARNINGS]:
             imgui.text_wrapped(warning)

@@ -8,7 +8,8 @@ const int LIT = 0, ZEBRA = 1, CURVATURE = 2;
 uniform bool perspective;
 uniform float slope;              // model units at unit depth (perspective) a pixel
 uniform mat3 eye_from_world;
-uniform isampler2D frame_face;    // -1 on background
+uniform sampler2D frame_color;    // as the frame has it
+uniform isampler2D frame_face;    // -1 on background, less on the caps of section planes
 uniform sampler2D frame_normal;   // unit, world, towards the eye
 uniform sampler2D frame_coverage;
 uniform sampler2D frame_curvature;
@@ -42,12 +43,12 @@ float phase_width(ivec2 pixel, ivec2 size, int face, float phase) {
 
 // This pixel, or where its centre shows the background a neighbour that does not.
 ivec2 nearest_covered(ivec2 pixel, ivec2 size) {
-    if (texelFetch(frame_face, pixel, 0).r >= 0) return pixel;
+    if (texelFetch(frame_face, pixel, 0).r != -1) return pixel;
     const ivec2 STEPS[8] = ivec2[8](ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1),
                                     ivec2(-1, -1), ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1));
     for (int k = 0; k < 8; ++k) {
         ivec2 near = clamp(pixel + STEPS[k], ivec2(0), size - 1);
-        if (texelFetch(frame_face, near, 0).r >= 0) return near;
+        if (texelFetch(frame_face, near, 0).r != -1) return near;
     }
     return pixel;
 }
@@ -56,10 +57,11 @@ void main() {
     ivec2 size = textureSize(frame_face, 0);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float coverage = texelFetch(frame_coverage, pixel, 0).r;
+    vec4 drawn = texelFetch(frame_color, pixel, 0);
     pixel = nearest_covered(pixel, size);
     int face = texelFetch(frame_face, pixel, 0).r;
     if (face < 0 || coverage == 0.0) {
-        color = vec4(0.0);
+        color = face < -1 ? drawn : vec4(0.0);
         return;
     }
     vec3 normal = eye_from_world * texelFetch(frame_normal, pixel, 0).xyz, towards_eye = towards_eye_at(pixel, size);

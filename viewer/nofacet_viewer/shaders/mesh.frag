@@ -36,4 +36,5 @@ void main() {
     } else {
         color = vec4(lit(face_color.rgb, normal, towards_eye) * face_color.a, face_color.a);
     }
+    color = marked(color, face_index);
 }
