@@ -1,20 +1,33 @@
-"""Draws the pictures of the viewer in docs/images again, with no display: python docs/view_images.py"""
+"""Draws the pictures of the viewer in docs/images again: xvfb-run -s "-screen 0 1400x900x24" python docs/view_images.py
+
+Those with panels are taken of a real window and need a display; the others are drawn off screen.
+"""
 
 from __future__ import annotations
 
+import os
+import shutil
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import nofacet
-from nofacet_viewer.caption import caption_height
-from nofacet_viewer.offscreen import write_view
-from nofacet_viewer.panes import pane_resolution
+from nofacet_viewer.app import SETTLING_FRAMES, App, Options
+from nofacet_viewer.keymap import Keymap
+from nofacet_viewer.offscreen import side_resolution, write_view
 from nofacet_viewer.state import View
 
 ROOT = Path(__file__).resolve().parents[1]
-SIZE = (1100, 550)
+IMAGES = ROOT / "docs" / "images"
+SIZE = (960, 540)
+WINDOW = (1280, 720)
+PATIENCE = 120.0  # seconds for a window's picture
 OWN = ROOT / "cad_models"
 CTC_02 = ROOT.parent / "shared" / "models" / "nist" / "nist_ctc_02_asme1_rc.stp"  # third-party, beside the repository
+
+Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -23,38 +36,90 @@ class Picture:
 
     source: Path
     view: View
-    direction: tuple[float, float, float]
-    setting: str = "Mayo"
+    direction: Vector
     overlays: tuple[str, ...] = ()
+    setting: str = "F3D"
 
 
 FLANGE, TEAPOT, BOTTLE = (OWN / f"{name}.step" for name in ("flange", "teapot", "bottle"))
 FROM_FLANGE, FROM_TEAPOT, FROM_BOTTLE, FROM_CTC = (-1, 1, -0.8), (0.6, 1, -0.4), (-1, 1, -0.4), (-1, 1, -0.9)
 
-PICTURES = {
-    "view_side_by_side": Picture(FLANGE, View.SIDE_BY_SIDE, FROM_FLANGE),
-    "view_wipe": Picture(TEAPOT, View.WIPE, FROM_TEAPOT, overlays=("mesh-edges",)),
-    "view_difference": Picture(FLANGE, View.DIFFERENCE, FROM_FLANGE),
-    "view_difference_ctc_02": Picture(CTC_02, View.DIFFERENCE, FROM_CTC),
-    "view_edges_ctc_02": Picture(CTC_02, View.SIDE_BY_SIDE, FROM_CTC, overlays=("edges",)),
-    "view_zebra": Picture(BOTTLE, View.SIDE_BY_SIDE, FROM_BOTTLE, overlays=("zebra",)),
-    "view_curvature": Picture(FLANGE, View.WIPE, FROM_FLANGE, overlays=("curvature",)),
-    "view_control_nets": Picture(TEAPOT, View.EXACT, FROM_TEAPOT, overlays=("control-nets", "patch-borders")),
-    "view_patch_borders": Picture(FLANGE, View.SIDE_BY_SIDE, FROM_FLANGE, overlays=("patch-borders",)),
-    "view_conversion_error": Picture(FLANGE, View.EXACT, FROM_FLANGE, overlays=("conversion-error",)),
+# Blink shows the exact and the tessellated picture in turn, so these two are its pictures.
+VIEWS = {
+    f"view_{view.value.replace('-', '_')}_{name}": Picture(source, view, direction, setting=setting)
+    for name, source, direction, setting in (
+        ("flange", FLANGE, FROM_FLANGE, "FreeCAD"),
+        ("ctc_02", CTC_02, FROM_CTC, "F3D"),
+        ("teapot", TEAPOT, FROM_TEAPOT, "F3D"),
+    )
+    for view in View
+    if view is not View.BLINK
+}
+OVERLAYS = {
+    "view_edges": Picture(CTC_02, View.SIDE_BY_SIDE, FROM_CTC, ("edges",)),
+    "view_mesh_edges": Picture(TEAPOT, View.WIPE, FROM_TEAPOT, ("mesh-edges",)),
+    "view_zebra": Picture(BOTTLE, View.SIDE_BY_SIDE, FROM_BOTTLE, ("zebra",)),
+    "view_curvature": Picture(FLANGE, View.WIPE, FROM_FLANGE, ("curvature",)),
+    "view_control_nets": Picture(TEAPOT, View.EXACT, FROM_TEAPOT, ("control-nets", "patch-borders")),
+    "view_patch_borders": Picture(FLANGE, View.SIDE_BY_SIDE, FROM_FLANGE, ("patch-borders",)),
+    "view_conversion_error": Picture(FLANGE, View.EXACT, FROM_FLANGE, ("conversion-error",)),
 }
 
 
 def main() -> None:
-    for name, picture in PICTURES.items():
+    with TemporaryDirectory() as folder:
+        os.chdir(folder)  # where F12 writes
+        draw_windows()  # before OpenGL without a window
+        os.chdir(ROOT)
+    for name, picture in (VIEWS | OVERLAYS).items():
         if not picture.source.exists():
             print(f"{name}: {picture.source} is not there, so its picture stays as it is")
             continue
-        pane = pane_resolution(picture.view, (SIZE[0], SIZE[1] - caption_height(SIZE[1])))
-        camera = nofacet.Camera.fit(nofacet.load(picture.source, measure=True), picture.direction, resolution=pane)
+        model = nofacet.load(picture.source, measure=True)
+        camera = nofacet.Camera.fit(model, picture.direction, resolution=side_resolution(picture.view, SIZE))
         setting = nofacet.MESH_SETTINGS[picture.setting]
-        output = ROOT / "docs" / "images" / f"{name}.png"
-        write_view(picture.source, output, picture.view, SIZE, camera, picture.overlays, setting)
+        path = IMAGES / f"{name}.png"
+        write_view(picture.source, path, picture.view, SIZE, camera, picture.overlays, setting, model=model)
+
+
+def draw_windows() -> None:
+    """The window with its panels, and with its list of keys."""
+    try:
+        app = App(Options([str(FLANGE)], size=WINDOW), Keymap())
+    except nofacet.InputError as problem:
+        print(f"pictures of the window stay as they are: {problem}")
+        return
+    session = app.session
+    session.tessellated.choice = "FreeCAD"
+    wait(app, lambda: session.tessellated.difference is not None)
+    assert session.camera
+    camera = session.camera = session.camera.orbit(20, 10).zoom(1.5)  # drawn again, while nothing else goes on
+    wait(app, lambda: session.exact is not None and session.exact.is_full and session.exact.request.camera == camera)
+    wait(app, lambda: session.tessellated.difference is not None)
+    screenshot(app, "window")
+    app.on_key("H", frozenset())
+    screenshot(app, "window_help")
+    app.close()
+
+
+def screenshot(app: App, name: str) -> None:
+    """What F12 writes, moved to the pictures."""
+    for _ in range(SETTLING_FRAMES + 1):
+        app.step(0.0)
+    app.session.notice = None
+    before = len(app.pictures)
+    app.on_key("F12", frozenset())
+    wait(app, lambda: len(app.pictures) > before)
+    shutil.move(app.pictures[-1], IMAGES / f"{name}.png")
+
+
+def wait(app: App, done: Callable[[], bool]) -> None:
+    """Let the window live until `done`."""
+    end = time.monotonic() + PATIENCE
+    while not done():
+        if time.monotonic() > end:
+            raise TimeoutError(f"the window did not come to rest; notice: {app.session.notice}")
+        app.step(0.01)
 
 
 if __name__ == "__main__":

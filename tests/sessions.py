@@ -5,14 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+import nofacet
+from nofacet.model import Model
 from nofacet_viewer.appearance import Appearance
 from nofacet_viewer.exact import Exact, Request
 from nofacet_viewer.section_planes import Bounds
 from nofacet_viewer.session import Session
 from nofacet_viewer.state import View
-
-import nofacet
-from nofacet.model import Model
 
 
 def wait_until(session: Session, condition: Callable[[], bool], seconds: float = 60.0) -> None:

@@ -11,15 +11,14 @@ import pytest
 
 pytest.importorskip("nofacet_viewer")
 pytest.importorskip("moderngl")
+import nofacet
+from conftest import model_of, sphere_group
+from nofacet.model import Model, Node
 from nofacet_viewer.actions import perform
 from nofacet_viewer.controls import DOUBLE_CLICK_SECONDS, Button, DoubleClick
 from nofacet_viewer.inspection import part_of
 from nofacet_viewer.session import Session
 from nofacet_viewer.state import View
-
-import nofacet
-from conftest import model_of, sphere_group
-from nofacet.model import Model, Node
 from sessions import wait_until, with_frame
 
 LEFT, MIDDLE, RIGHT, NOWHERE = (30.0, 60.0), (60.0, 60.0), (90.0, 60.0), (2.0, 2.0)  # places in the picture

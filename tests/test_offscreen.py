@@ -14,7 +14,7 @@ from egl import offscreen_context
 pytest.importorskip("moderngl")
 
 from nofacet_viewer import offscreen
-from nofacet_viewer.caption import caption_height, text_width
+from nofacet_viewer.caption import SEPARATOR, caption_height, last_that_fit, text_width
 from nofacet_viewer.offscreen import write_view
 from nofacet_viewer.state import View
 
@@ -81,6 +81,12 @@ def test_wrong_requests_are_one_line(tmp_path: Path) -> None:
         write_view(ball, tmp_path / "view.png", resolution=(10, 10))
 
 
+def test_meshing_that_takes_too_long_is_stopped(tmp_path: Path) -> None:
+    ball = cq.Workplane().sphere(1)
+    with pytest.raises(nofacet.InputError, match="Workplane: stopped after 0.001 s while meshing"):
+        write_view(ball, tmp_path / "view.png", "wipe", SIZE, model=nofacet.load(ball), timeout=0.001)
+
+
 def test_without_egl_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(**wanted: object) -> None:
         raise Exception("libEGL.so.1 not\nloaded")
@@ -88,6 +94,14 @@ def test_without_egl_it_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr("moderngl.create_standalone_context", refuse)
     with pytest.raises(nofacet.InputError, match=r"no OpenGL 3.3 through EGL here \(libEGL.so.1 not loaded\)"):
         write_view(cq.Workplane().sphere(1), tmp_path / "view.png", "exact", SIZE)
+
+
+def test_the_last_figures_find_room() -> None:
+    figures = ["one", "two", "three"]
+    width = text_width(f"two{SEPARATOR}three", 12)
+    assert last_that_fit(figures, 12, width) == ["two", "three"]
+    assert last_that_fit(figures, 12, width - 1) == ["three"]
+    assert last_that_fit(figures, 12, 1000) == figures and last_that_fit(figures, 12, 0) == []
 
 
 def test_a_line_of_text_has_a_width() -> None:

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 pytest.importorskip("nofacet_viewer")
-from nofacet_viewer.section_planes import AXES, Bounds, SectionPlane, SectionPlanes
-
 import nofacet
 from nofacet.camera import Vector
 from nofacet.model import Model
+from nofacet_viewer.section_planes import AXES, Bounds, SectionPlane, SectionPlanes
 
 SLANTED = nofacet.Section((0, 0, 0), (0.3, -0.5, 0.8)).normal
 

@@ -12,6 +12,9 @@ import pytest
 
 pytest.importorskip("nofacet_viewer")
 pytest.importorskip("moderngl")
+import nofacet
+from conftest import model_of, sphere_group
+from nofacet.model import Model, Node
 from nofacet_viewer.actions import perform
 from nofacet_viewer.appearance import Appearance
 from nofacet_viewer.assembly_rows import AssemblyRows
@@ -21,10 +24,6 @@ from nofacet_viewer.session import Session
 from nofacet_viewer.state import View, ViewState
 from nofacet_viewer.tasks import Tasks
 from nofacet_viewer.watch import SETTLED, FileWatch
-
-import nofacet
-from conftest import model_of, sphere_group
-from nofacet.model import Model, Node
 from sessions import wait_until, with_frame
 
 FLANGE = Path(__file__).resolve().parents[1] / "cad_models" / "flange.step"

@@ -12,6 +12,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -83,7 +84,9 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         ("info", add_info_options, _info, "say what is in a STEP or BREP file"),
         ("bench", add_bench_options, _bench, "measure speed and error of exact pictures and of triangles"),
     ):
-        command = subparsers.add_parser(name, help=text, description=f"{text.capitalize()}.", allow_abbrev=False)
+        command = subparsers.add_parser(
+            name, help=text, description=f"{text[0].upper()}{text[1:]}.", allow_abbrev=False
+        )
         add_options(command)
         commands[name] = command, run
 
@@ -107,7 +110,7 @@ def _render(options: argparse.Namespace) -> int:
     output = Path("-.png" if to_stdout else options.output)
     _check_output(options, output, to_stdout)
     buffers = _rendered_buffers(options, output)
-    try:
+    with _usage():
         check_request(
             options.resolution,
             options.method,
@@ -118,12 +121,10 @@ def _render(options: argparse.Namespace) -> int:
             options.reflectance,
             options.section,
         )
-    except ValueError as error:
-        raise UsageError(str(error)) from None
     camera = _camera_from_file(options)
-    model = _load(options)
-    with _stage(options, "fit camera"):
-        camera = camera or _fitted_camera(options, model)
+    model = _load(options, options.model)
+    with _stage(options, "fit camera"), _usage():
+        camera = camera or _fitted_camera(options, model, options.resolution)
     with _stage(options, "render"):
         frame = nofacet.render(
             model,
@@ -157,37 +158,54 @@ def _render(options: argparse.Namespace) -> int:
 
 
 def _view(options: argparse.Namespace) -> int:
-    camera = _camera_file(options.camera) if options.camera else None
-    if options.output and (options.watch or len(options.models) != 1):
+    camera = _camera_from_file(options)
+    if options.output is not None and (options.watch or len(options.models) != 1):
         raise UsageError("--output draws one model once; give one MODEL and leave out --watch")
-    try:
+    with _viewer_modules():
         from nofacet_viewer.state import View
 
         known = {view.value: view for view in View}
         if options.view not in known:
             meant = did_you_mean(options.view, list(known)) or f"; the views are {' '.join(known)}"
             raise UsageError(f"--view: unknown view {options.view!r}{meant}")
-        if options.output:
-            from nofacet_viewer.offscreen import write_view
-
-            write_view(
-                options.models[0],
-                options.output,
-                options.view,
-                options.resolution,
-                camera,
-                sections=options.section,
-            )
+        if options.output is not None:
+            _write_view(options, known[options.view], camera)
         else:
             from nofacet_viewer.app import Options, view
 
-            size, sections = options.resolution, tuple(options.section)
-            view(Options(options.models, known[options.view], camera, size, options.watch, sections))
-    except ModuleNotFoundError as error:
-        if (error.name or "").split(".")[0] not in VIEWER_MODULES:
-            raise
-        raise InputError(f"the viewer needs the module {error.name}: pip install 'nofacet[viewer]'") from None
+            fit, sections = partial(_fitted_camera, options), tuple(options.section)
+            wanted = options.models, known[options.view], camera, options.resolution, options.watch, sections, fit
+            view(Options(*wanted, timeout=options.timeout))
     return 0
+
+
+def _write_view(options: argparse.Namespace, view: Any, camera: Camera | None) -> None:
+    """Draw a view (nofacet_viewer.state.View) of a model without a window."""
+    from nofacet_viewer.offscreen import check_picture, side_resolution, write_view
+
+    source, output = options.models[0], Path(options.output)
+    with _usage():
+        check_picture(output, options.resolution)
+    _check_writable(output)
+    model = _load(options, source, measure=True)
+    with _stage(options, "fit camera"), _usage():
+        camera = camera or _fitted_camera(options, model, side_resolution(view, options.resolution))
+    with _stage(options, "draw"):
+        given = {"model": model, "timeout": options.timeout, "sections": options.section}
+        write_view(source, output, view, options.resolution, camera, **given)
+
+
+@contextmanager
+def _viewer_modules() -> Iterator[None]:
+    """For what imports the viewer: says how to install what it lacks."""
+    try:
+        yield
+    except ImportError as error:
+        module = (error.name or "").split(".")[0]
+        if module and module not in VIEWER_MODULES:
+            raise
+        problem = f"needs the module {module}" if module else f"cannot be loaded ({error})"
+        raise InputError(f"the viewer {problem}: pip install 'nofacet[viewer]'") from None
 
 
 def _say_stats(stats: Mapping[str, Any]) -> None:
@@ -201,7 +219,7 @@ def _say_stats(stats: Mapping[str, Any]) -> None:
 
 
 def _info(options: argparse.Namespace) -> int:
-    model = _load(options, measure=True)
+    model = _load(options, options.model, measure=True)
     print(summary(model, faces=options.faces))
     return 1 if options.strict and model.warnings else 0
 
@@ -214,10 +232,10 @@ def _bench(options: argparse.Namespace) -> int:
     return 0 if report.subjects else 1
 
 
-def _load(options: argparse.Namespace, measure: bool = False) -> nofacet.Model:
+def _load(options: argparse.Namespace, path: str, measure: bool = False) -> nofacet.Model:
     """The model, with its warnings said on standard error."""
     with _stage(options, "read"), _progress() as progress:
-        model = nofacet.load(options.model, timeout=options.timeout, progress=progress, measure=measure)
+        model = nofacet.load(path, timeout=options.timeout, progress=progress, measure=measure)
     for warning in model.warnings:
         _say(f"warning: {warning}")
     return model
@@ -225,10 +243,8 @@ def _load(options: argparse.Namespace, measure: bool = False) -> nofacet.Model:
 
 def _check_output(options: argparse.Namespace, output: Path, to_stdout: bool) -> None:
     """Find what would stop the picture from being written before the long work, not after it."""
-    try:
+    with _usage():
         extension = check_extension(output)
-    except ValueError as error:
-        raise UsageError(str(error)) from None
     if options.no_background and options.background_color:
         raise UsageError("--background-color and --no-background exclude each other; give one of them")
     if options.buffers and extension == ".png":
@@ -240,9 +256,14 @@ def _check_output(options: argparse.Namespace, output: Path, to_stdout: bool) ->
             raise UsageError(
                 "--output=- writes PNG data, and standard output is a terminal; send it to a file or program"
             )
-    elif not output.parent.is_dir():
+    else:
+        _check_writable(output)
+
+
+def _check_writable(output: Path) -> None:
+    if not output.parent.is_dir():
         raise InputError(f"{output}: the folder {output.parent} does not exist; make it first")
-    elif output.is_dir() or not os.access(output if output.exists() else output.parent, os.W_OK):
+    if output.is_dir() or not os.access(output if output.exists() else output.parent, os.W_OK):
         raise InputError(f"{output}: cannot be written; choose another file")
 
 
@@ -287,8 +308,9 @@ def _direction(text: str) -> tuple[float, ...]:
         raise UsageError(f"--camera-direction: {error}, or a view{meant}") from None
 
 
-def _fitted_camera(options: argparse.Namespace, model: nofacet.Model) -> Camera:
-    wanted: dict[str, Any] = {"resolution": options.resolution}
+def _fitted_camera(options: argparse.Namespace, model: nofacet.Model, resolution: tuple[int, int]) -> Camera:
+    """The camera that the options describe, fitted to the model. Raises ValueError where they contradict each other."""
+    wanted: dict[str, Any] = {"resolution": resolution}
     if options.camera_direction in VIEWS:
         wanted["direction"], wanted["view_up"] = VIEWS[options.camera_direction]
     elif options.camera_direction:
@@ -300,8 +322,14 @@ def _fitted_camera(options: argparse.Namespace, model: nofacet.Model) -> Camera:
     if options.camera_view_angle or options.camera_orthographic is False:
         wanted["projection"] = "perspective"
         wanted["view_angle"] = options.camera_view_angle or DEFAULT_VIEW_ANGLE
+    return Camera.fit(model, **wanted)
+
+
+@contextmanager
+def _usage() -> Iterator[None]:
+    """What makes no sense here is wrong usage."""
     try:
-        return Camera.fit(model, **wanted)
+        yield
     except InputError:
         raise
     except ValueError as error:

@@ -42,11 +42,15 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
 
 def add_common_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="a STEP or BREP file")
+    _add_timeout(parser)
+    parser.add_argument("--strict", action="store_true", help="exit with status 1 if there was a warning")
+    _add_verbose(parser)
+
+
+def _add_timeout(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--timeout", type=_positive, default=300.0, metavar="SECONDS", help="for reading (default: 300)"
     )
-    parser.add_argument("--strict", action="store_true", help="exit with status 1 if there was a warning")
-    _add_verbose(parser)
 
 
 def _add_verbose(parser: argparse.ArgumentParser) -> None:
@@ -116,6 +120,11 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         help="three numbers from 0 to 1, or #rrggbb (default: white)",
     )
     add("--no-background", action="store_true", help="transparent background (always so in .exr and .npz by default)")
+    add_camera_options(parser)
+    add_common_options(parser)
+
+
+def add_camera_options(parser: argparse.ArgumentParser) -> None:
     camera = parser.add_argument_group("camera", "fits the model unless it comes from a file")
     add = camera.add_argument
     add("--camera", metavar="FILE", help="a camera file (JSON), or a picture that nofacet made")
@@ -138,18 +147,23 @@ def add_render_options(parser: argparse.ArgumentParser) -> None:
         metavar="DEGREES",
         help=f"perspective with this vertical angle (default: {DEFAULT_VIEW_ANGLE:g})",
     )
-    add_common_options(parser)
 
 
 def add_view_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("models", nargs="*", metavar="MODEL", help="STEP or BREP files; the arrow keys step through them")
     add("--watch", action="store_true", help="read the file again when it changes")
-    add("--view", default="side-by-side", metavar="NAME", help="how both sides are shown (default: side-by-side)")
-    add("--camera", metavar="FILE", help="a camera file (JSON), or a picture that nofacet made")
+    add(
+        "--view",
+        default="side-by-side",
+        metavar="NAME",
+        help="exact, tessellated, side-by-side, wipe, blink or difference (default: side-by-side)",
+    )
     add("--resolution", type=_resolution, default=(1280, 720), metavar="W,H", help="in pixels (default: 1280,720)")
     _add_section(parser)
     add("--output", metavar="FILE", help="draw into this .png file without a window, and quit")
+    add_camera_options(parser)
+    _add_timeout(parser)
     _add_verbose(parser)
 
 

@@ -19,6 +19,7 @@ from .actions import perform
 from .controls import Button, Point
 from .exact import Exact, ExactRenderer, Request
 from .keymap import Keymap, KeymapError
+from .loading import Fit, fit_camera
 from .painter import Painter
 from .panels.all import Panels
 from .pictures import picture_path, save_exact, save_window
@@ -36,7 +37,8 @@ SETTLING_FRAMES = 2  # that imgui needs after an input until its picture stays t
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line of `nofacet view` says. size: of the window. camera: None fits the model."""
+    """What the command line of `nofacet view` says. size: of the window. camera: None fits the model by `fit`.
+    timeout: seconds for reading a file."""
 
     files: Sequence[str] = ()
     view: View = View.SIDE_BY_SIDE
@@ -44,6 +46,8 @@ class Options:
     size: tuple[int, int] = SIZE
     watch: bool = False
     sections: Sequence[nofacet.Section] = ()
+    fit: Fit = fit_camera
+    timeout: float = 300.0
 
 
 @dataclass
@@ -74,6 +78,8 @@ class App:
             options.watch,
             self.window.wake,
             options.sections,
+            options.fit,
+            options.timeout,
         )
         self.keymap, problem = (keymap, None) if keymap else _user_keymap()
         if problem:

@@ -14,6 +14,7 @@ Picture = NDArray[np.uint8]
 FONT = "DroidSans"  # OpenImageIO brings it along
 BOLD = "DroidSans-Bold"
 LINE = 1.4  # line height over font size
+SEPARATOR = "  ·  "
 PAPER, INK, FAINT_INK = 245, 20, 90  # sRGB grays
 
 
@@ -42,24 +43,35 @@ def write_text(picture: Picture, x: int, y: int, text: str, size: int, align: st
 
 
 def draw_caption(picture: Picture, x: int, width: int, height: int, title: str, figures: list[str]) -> None:
-    """A title and figures in the lowest `height` rows of a picture, columns x to x + width. Figures that find no room
-    are left out."""
+    """A title and figures in the lowest `height` rows of a picture, columns x to x + width. The last figures are below
+    the title, those that find no room there beside it, those that find none there either nowhere."""
     size = font_size(picture.shape[0])
     strip = picture[-height:, x : x + width]
     strip[:] = PAPER
     first = round(LINE * size)
     write_text(strip, size, first, title, size, bold=True)
-    while figures and text_width("  ·  ".join(figures), size) > width - 2 * size:
-        figures = figures[:-1]
-    if figures:
-        write_text(strip, size, first + round(LINE * size), "  ·  ".join(figures), size)
+    below = last_that_fit(figures, size, width - 2 * size)
+    if below:
+        write_text(strip, size, first + round(LINE * size), SEPARATOR.join(below), size)
+    left = text_width(title, size, bold=True) + 2 * size
+    beside = last_that_fit(figures[: len(figures) - len(below)], size, width - left - size)
+    if beside:
+        write_text(strip, left, first, SEPARATOR.join(beside), size)
 
 
-def text_width(text: str, size: int) -> int:
+def last_that_fit(figures: list[str], size: int, width: int) -> list[str]:
+    """As many of the last figures as a line of `width` pixels holds."""
+    first = 0
+    while first < len(figures) and text_width(SEPARATOR.join(figures[first:]), size) > width:
+        first += 1
+    return figures[first:]
+
+
+def text_width(text: str, size: int, bold: bool = False) -> int:
     """Pixels."""
     import OpenImageIO as oiio
 
-    box: Any = oiio.ImageBufAlgo.text_size(text, size, FONT)
+    box: Any = oiio.ImageBufAlgo.text_size(text, size, BOLD if bold else FONT)
     return int(box.xend - box.xbegin)
 
 
@@ -67,10 +79,11 @@ def draw_legend(picture: Picture, scale: ColorScale) -> None:
     """The colours of a scale and what they mean, in the lower right corner."""
     height, width, _ = picture.shape
     size = font_size(height)
-    bar_width, bar_height = min(16 * size, width - 4 * size), size
+    title = f"{scale.title}, {scale.unit}"
+    bar_width, bar_height = min(max(16 * size, text_width(title, size) - 2 * size), width - 4 * size), size
     box = picture[-round(4.6 * size) - size // 2 :, -bar_width - 4 * size :][: round(4.6 * size), : -size // 2]
     box[:] = PAPER
-    write_text(box, box.shape[1] // 2, round(1.2 * size), f"{scale.title}, {scale.unit}", size, "center")
+    write_text(box, box.shape[1] // 2, round(1.2 * size), title, size, "center")
     left, top = (box.shape[1] - bar_width) // 2, round(1.7 * size)
     ramp = scale.ramp()
     columns = ramp[np.arange(bar_width) * len(ramp) // bar_width]

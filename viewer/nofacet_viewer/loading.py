@@ -12,7 +12,12 @@ import nofacet
 from .section_planes import Bounds
 from .tasks import give_way
 
-DIRECTION = (-1.0, 1.0, -0.5)  # of a camera that nobody has chosen: from the eye into the scene
+Fit = Callable[[nofacet.Model, tuple[int, int]], nofacet.Camera]  # (model, resolution) -> camera; ValueError if none
+
+
+def fit_camera(model: nofacet.Model, resolution: tuple[int, int]) -> nofacet.Camera:
+    """A camera that sees all of the model."""
+    return nofacet.Camera.fit(model, resolution=resolution)
 
 
 @dataclass(frozen=True)
@@ -36,9 +41,11 @@ class Loader:
     The file itself is read in a process of its own (nofacet.load), so the interpreter's lock is free meanwhile.
     """
 
-    def __init__(self, wake: Callable[[], None] = lambda: None, timeout: float = 300.0) -> None:
-        """wake: called in the loader's thread when something has changed. timeout: seconds for a file."""
+    def __init__(self, wake: Callable[[], None] = lambda: None, fit: Fit = fit_camera, timeout: float = 300.0) -> None:
+        """wake: called in the loader's thread when something has changed. fit: the camera of a file that nobody has
+        chosen one for. timeout: seconds for a file."""
         self._wake = wake
+        self._fit = fit
         self._timeout = timeout
         self._lock = threading.Lock()
         self._cancel: nofacet.Cancel | None = None
@@ -76,7 +83,7 @@ class Loader:
             model = nofacet.load(
                 path, timeout=self._timeout, progress=self._show_stage, measure=measured, cancel=cancel
             )
-            camera = nofacet.Camera.fit(model, direction=DIRECTION, resolution=resolution)
+            camera = self._fit(model, resolution)
             loaded = Loaded(path, model, camera, Bounds.of(model), measured=measured)
         except nofacet.Cancelled:
             return

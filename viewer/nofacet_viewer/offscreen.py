@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -33,7 +34,9 @@ Size = tuple[int, int]
 
 DEFAULT_SETTING = nofacet.MESH_SETTINGS["F3D"]
 SAMPLES = 16
+LEAST_SIDE = 16  # pixels
 POLL = 0.02  # seconds between looks whether the mesh is there
+TIMEOUT = 300.0  # seconds
 
 
 def write_view(
@@ -47,38 +50,52 @@ def write_view(
     wipe: float = 0.5,
     background: tuple[float, float, float] = (1.0, 1.0, 1.0),
     sections: Sequence[nofacet.Section] = (),
+    model: nofacet.Model | None = None,
+    timeout: float = TIMEOUT,
 ) -> None:
     """Draw what the window would show of `source` (what nofacet.load takes), its figures below, into a PNG file.
 
     view: a View or its value. resolution: width and height of the whole picture. camera: by default it fits the model;
     the picture carries it in its metadata. overlays: names from painter.OVERLAYS. setting: how OpenCascade meshes.
     wipe: fraction of the width that the exact side has in that view. background: linear RGB. sections: planes that cut
-    the model; the outline error, which is of whole models, is left out then.
+    the model; the outline error, which is of whole models, is left out then. model: what
+    nofacet.load(source, measure=True) gave, where that is known. timeout: seconds for reading, and again for meshing.
 
-    Raises InputError if there is nothing to show or no way to draw off screen, ValueError for a view, overlay or file
-    name that makes no sense, OSError where the file cannot be written.
+    Raises InputError if there is nothing to show or no way to draw off screen, ValueError for a view, overlay,
+    resolution or file name that makes no sense, OSError where the file cannot be written.
     """
     output = Path(output)
+    check_picture(output, resolution)
     state = ViewState(_view(view), wipe, overlays=_known(overlays), background=background, sections=tuple(sections))
-    if output.suffix.lower() != ".png":
-        raise ValueError(f"{output}: pictures of views are written as .png")
-    height = resolution[1] - caption_height(resolution[1])
-    if resolution[0] < 16 or height < 16:
-        raise ValueError(f"resolution {resolution[0]} x {resolution[1]}: too small for a view and its figures")
-    model = nofacet.load(source, measure=True)
-    size = resolution[0], height
-    if camera is None:
-        camera = nofacet.Camera.fit(model, resolution=pane_resolution(state.view, size))
-    with _offscreen_context() as context:
-        scene = _Scene(model, camera, size, state, _mesh_of(source, setting, state.view))
-        picture = scene.draw(context, resolution)
+    with _offscreen_context(resolution) as context:
+        model = model or nofacet.load(source, timeout, measure=True)
+        camera = camera or nofacet.Camera.fit(model, resolution=side_resolution(state.view, resolution))
+        meshed = None if state.view is View.EXACT else _mesh_of(source, setting, timeout)
+        picture = _Scene(model, camera, _size_above_caption(resolution), state, meshed).draw(context, resolution)
     attributes = {METADATA_KEY: json.dumps(camera.to_dict()), SOFTWARE_KEY: f"nofacet {version('nofacet')}"}
     image.write(output, picture, ("R", "G", "B"), attributes)
 
 
+def check_picture(output: Path, resolution: Size) -> None:
+    """Raises ValueError for a file or a resolution that write_view() cannot write."""
+    if output.suffix.lower() != ".png":
+        raise ValueError(f"{output}: pictures of views are written as .png")
+    if min(_size_above_caption(resolution)) < LEAST_SIDE:
+        raise ValueError(f"resolution {resolution[0]} x {resolution[1]}: too small for a view and its figures")
+
+
+def side_resolution(view: View | str, resolution: Size) -> Size:
+    """Width and height in pixels of a side in a picture of `resolution` that write_view() writes: to fit cameras to."""
+    return pane_resolution(_view(view), _size_above_caption(resolution))
+
+
+def _size_above_caption(resolution: Size) -> Size:
+    return resolution[0], resolution[1] - caption_height(resolution[1])
+
+
 @contextmanager
-def _offscreen_context() -> Iterator[moderngl.Context]:
-    """An OpenGL context without a window. Raises InputError where there is none."""
+def _offscreen_context(resolution: Size) -> Iterator[moderngl.Context]:
+    """An OpenGL context without a window. Raises InputError where there is none, or none for so large a picture."""
     try:
         context = moderngl.create_standalone_context(backend="egl", require=330)
     except Exception as error:  # moderngl and glcontext raise plain Exceptions
@@ -87,19 +104,28 @@ def _offscreen_context() -> Iterator[moderngl.Context]:
             f"cannot draw off screen: no OpenGL 3.3 through EGL here ({reason}); install a driver, such as Mesa's"
         ) from None
     try:
+        most = min(context.info["GL_MAX_TEXTURE_SIZE"], *context.info["GL_MAX_VIEWPORT_DIMS"])
+        if max(resolution) > most:
+            raise nofacet.InputError(
+                f"resolution {resolution[0]} x {resolution[1]}: OpenGL draws at most {most} pixels a side here"
+            )
         yield context
     finally:
         context.release()
 
 
-def _mesh_of(source: Any, setting: nofacet.MeshSetting, view: View) -> MeshResult | None:
-    """The mesh, None for a view that shows none. Raises InputError if there cannot be one."""
-    if view is View.EXACT:
-        return None
+def _mesh_of(source: Any, setting: nofacet.MeshSetting, timeout: float) -> MeshResult:
+    """OpenCascade's triangles. Raises InputError if there cannot be any, or not within so many seconds."""
     mesher = Mesher()
+    end = time.monotonic() + timeout
     try:
         mesher.start(source, setting)
         while (answer := mesher.poll()) is None:
+            if time.monotonic() > end:
+                raise nofacet.InputError(
+                    f"{_name(source)}: stopped after {timeout:g} s while meshing; "
+                    "a fine mesh may need a longer timeout, the exact view needs no mesh"
+                )
             time.sleep(POLL)
     finally:
         mesher.cancel()
@@ -179,6 +205,10 @@ class _Scene:
             name = f"triangles, {self.meshed.setting.name}"
             figures = mesh_figures(self.meshed, difference.error if difference else None)
             draw_caption(whole, left, width - left, height, name, figures)
+
+
+def _name(source: Any) -> str:
+    return os.fsdecode(source) if isinstance(source, (str, os.PathLike)) else type(source).__name__
 
 
 def _view(view: View | str) -> View:

@@ -18,7 +18,7 @@ from .difference import OutlineDifference
 from .exact import Exact
 from .hover import Hover, hover_in
 from .inspection import Inspection, Place, part_of
-from .loading import Loaded, Loader
+from .loading import Fit, Loaded, Loader, fit_camera
 from .panes import Pane, pane_resolution, panes
 from .section_planes import Bounds, SectionPlanes
 from .state import View, ViewState
@@ -52,14 +52,17 @@ class Session:
         watch: bool = False,
         wake: Callable[[], None] = lambda: None,
         sections: Sequence[nofacet.Section] = (),
+        fit: Fit = fit_camera,
+        timeout: float = 300.0,
     ) -> None:
-        """files: models to show, the first one now. camera: for the first one, None: fitted. size: of the window in
-        pixels. wake: called by other threads when update() has something to do. sections: that cut the first model."""
+        """files: models to show, the first one now. camera: for the first one, None: fitted by `fit`. size: of the
+        window in pixels. wake: called by other threads when update() has something to do. sections: that cut the first
+        model. timeout: seconds that reading a file may take."""
         self.planes = SectionPlanes(sections)
         self.state = ViewState(view, sections=self.planes.sections)
         self.size = size
         self.watches = watch
-        self.loader = Loader(wake)
+        self.loader = Loader(wake, fit, timeout)
         self.tasks = Tasks(wake)
         self.tessellated = Tessellated(self.tasks)
         self.controls = Controls()
