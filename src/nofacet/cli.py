@@ -174,8 +174,8 @@ def _view(options: argparse.Namespace) -> int:
             from nofacet_viewer.app import Options, view
 
             fit, sections = partial(_fitted_camera, options), tuple(options.section)
-            wanted = options.models, known[options.view], camera, options.resolution, options.watch, sections
-            view(Options(*wanted, fit=fit, timeout=options.timeout))
+            wanted = options.models, known[options.view], camera, options.resolution, options.watch, sections, fit
+            view(Options(*wanted, timeout=options.timeout))
     return 0
 
 
@@ -191,8 +191,8 @@ def _write_view(options: argparse.Namespace, view: Any, camera: Camera | None) -
     with _stage(options, "fit camera"), _usage():
         camera = camera or _fitted_camera(options, model, side_resolution(view, options.resolution))
     with _stage(options, "draw"):
-        how = {"sections": options.section, "model": model, "timeout": options.timeout}
-        write_view(source, output, view, options.resolution, camera, **how)
+        given = {"model": model, "timeout": options.timeout, "sections": options.section}
+        write_view(source, output, view, options.resolution, camera, **given)
 
 
 @contextmanager

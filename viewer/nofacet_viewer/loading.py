@@ -83,7 +83,8 @@ class Loader:
             model = nofacet.load(
                 path, timeout=self._timeout, progress=self._show_stage, measure=measured, cancel=cancel
             )
-            loaded = Loaded(path, model, self._fit(model, resolution), Bounds.of(model), measured=measured)
+            camera = self._fit(model, resolution)
+            loaded = Loaded(path, model, camera, Bounds.of(model), measured=measured)
         except nofacet.Cancelled:
             return
         except (ValueError, OSError) as error:
