@@ -22,6 +22,7 @@ from .programs import bind, program, set_light, set_uniforms
 from .projection import Projection, project
 from .targets import SurfaceTarget
 
+
 class MeshLayer:
     """One mesh on the graphics card. sections: planes that cut what is drawn of it; it shows no caps."""
 

@@ -259,4 +259,3 @@ def _diagonal(model: nofacet.Model) -> float:
     except nofacet.InputError:
         return 1.0
     return float(np.linalg.norm(high - low)) or 1.0
-
