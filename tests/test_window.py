@@ -314,7 +314,8 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pyt
         (["--camera=missing.json", "a.step"], "missing.json: No such file or directory"),
         (
             ["--section=0,0,0", "a.step"],
-            "argument --section: '0,0,0' is not ORIGIN/NORMAL; write for example 0,0,10/0,0,1 (see nofacet view --help)",
+            "argument --section: '0,0,0' is not ORIGIN/NORMAL; write for example 0,0,10/0,0,1 "
+            "(see nofacet view --help)",
         ),
         (["--output=a.png", "a.step", "b.step"], "--output draws one model once; give one MODEL and leave out --watch"),
     ],
