@@ -280,7 +280,33 @@ def test_files_and_pictures(scenario: str, tmp_path: Path) -> None:
     run_in_window("test_window", f"scenario_{scenario}", str(tmp_path))
 
 
-@pytest.mark.parametrize("scenario", ["cancel", "appearance"])
+def scenario_show() -> None:
+    """What comes from Python is shown, with its camera; it has no triangles, and the window says so."""
+    import cadquery as cq
+
+    from nofacet_viewer.app import App
+
+    apps: list[Any] = []
+
+    def run(app: Any) -> None:
+        apps.append(app)
+        rest(app)
+        live(app)
+        picture = shown(app)
+        assert (picture[240, 100] == 255).all() and (picture[240, 320] < 250).any()
+        app.on_key("T", frozenset())
+        until(app, lambda: app.session.state.view.value == "tessellated")
+        assert "not meshed" in app.session.tessellated.problem
+        app.close()
+
+    App.run = run  # type: ignore[assignment,method-assign]
+    assert nofacet.show(cq.Workplane().sphere(3), direction="front", width=640, height=480, title="ball") is None
+    (session,) = (app.session for app in apps)
+    np.testing.assert_allclose(session.camera.direction, (0, 1, 0), atol=1e-12)
+    assert session.size == SIZE and session.loader.path is None and session.notice is None
+
+
+@pytest.mark.parametrize("scenario", ["cancel", "appearance", "show"])
 def test_reading_and_appearance(scenario: str) -> None:
     run_in_window("test_window", f"scenario_{scenario}")
 
@@ -304,7 +330,7 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     monkeypatch.delitem(sys.modules, "glfw", raising=False)
     assert cli.main(["view", FLANGE]) == 1
     line = capsys.readouterr().err
-    assert line == "nofacet: the viewer needs the module nofacet_viewer.app: pip install 'nofacet[viewer]'\n"
+    assert line == "nofacet: the viewer needs the module nofacet_viewer: pip install 'nofacet[viewer]'\n"
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,8 @@ def show(
         Color; alpha is 0 (transparent) to 1.
     camera: a Camera, a camera file, or a picture that nofacet made. Without one the objects are fitted, seen along
         `direction` (from the eye into the scene, or one of front, back, left, right, top, bottom, iso) with `zoom`.
-    width, height, samples, edges: of the picture, in pixels; see `render`. sections: planes that cut the objects.
+    width, height: of the picture or window, pixels. samples, edges: of the picture; see `render`.
+    sections: planes that cut the objects.
     screenshot: write this .png, .exr or .npz file and open no window. background: three sRGB values from 0 to 1 behind
         a .png; None: transparent.
     interact: True opens a window in any case, False never; None: unless a screenshot is asked for, or in a notebook.
@@ -83,7 +84,7 @@ def show(
         behind = background if file.suffix.lower() == ".png" else None
         (frame if behind is None else frame.over(behind)).save(file)
     if interact or (interact is None and not quiet):
-        _open_window(model, camera, title, sections)
+        _open_window(model, camera, title, sections, (width, height))
         return None
     return frame
 
@@ -167,10 +168,10 @@ def _in_notebook() -> bool:
     return getattr(shell, "kernel", None) is not None
 
 
-def _open_window(model: Model, camera: Camera, title: str, sections: Sequence[Section]) -> None:
+def _open_window(model: Model, camera: Camera, title: str, sections: Sequence[Section], size: tuple[int, int]) -> None:
     try:
         app = importlib.import_module("nofacet_viewer.app")
     except ImportError as problem:
         how = "pip install 'nofacet[viewer]', or draw without a window: screenshot='part.png'"
         raise ImportError(f"there is no window to open ({problem}); {how}") from None
-    app.open_window(model, camera=camera, title=title, sections=sections)
+    app.open_window(model, camera=camera, title=title, sections=sections, size=size)

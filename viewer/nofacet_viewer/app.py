@@ -313,6 +313,20 @@ def view(options: Options) -> None:
     App(options).run()
 
 
+def open_window(
+    model: nofacet.Model,
+    camera: nofacet.Camera | None = None,
+    title: str = TITLE,
+    sections: Sequence[nofacet.Section] = (),
+    size: tuple[int, int] = SIZE,
+) -> None:
+    """Show a model and return when the window is closed. Raises InputError where no window can be opened."""
+    app = App(Options(view=View.EXACT, camera=camera, size=size, sections=sections))
+    app.window.set_title(title)
+    app.session.show(model)
+    app.run()
+
+
 def _user_keymap() -> tuple[Keymap, str | None]:
     """The user's keymap, or the default one and why."""
     try:

@@ -111,6 +111,13 @@ class Session:
         self.files, self.index = list(files), 0
         self._read(keep_camera)
 
+    def show(self, model: nofacet.Model) -> None:
+        """Show a model that comes from no file, so that there is nothing to mesh."""
+        self.files, self.index = [], 0
+        self._keeps_camera = self.camera is not None
+        camera = self.camera or fit_camera(model, self.pane_size)
+        self._take(Loaded(model.source, model, camera, Bounds.of(model)))
+
     def step_file(self, step: int) -> None:
         """Show the file `step` places on; after the last one comes the first."""
         if len(self.files) > 1:
@@ -160,12 +167,14 @@ class Session:
             self.camera = loaded.camera
         self.tessellated.forget()
         self.mesh()
-        self._to_measure = loaded.path
+        self._to_measure = self.path
 
     def mesh(self) -> None:
         """Mesh the file as `tessellated` is set to."""
         if self.path and self.camera and self.model is not None:
             self.tessellated.start(self.path, self.camera, self.pane_size)
+        elif self.model is not None:
+            self.tessellated.problem = "objects from Python are not meshed: save them to a file and open that"
 
     # Messages and time
 

@@ -33,7 +33,7 @@ class Panels:
         """Between imgui's new_frame() and render()."""
         width, height = imgui.get_io().display_size
         show_measurement(self._session, self._session.size[0] / max(width, 1.0))
-        if self.shown and self._session.path:
+        if self.shown and (self._session.path or self._session.model):
             show_figures(self._session, self._session.size[0] / max(width, 1.0))
             self._draw_side(width, height)
         show_progress(self._session, (width, height))

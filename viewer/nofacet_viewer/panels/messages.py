@@ -31,7 +31,7 @@ def show_notice(session: Session, size: tuple[float, float]) -> None:
     """The session's notice, at the bottom; without any file, what to do."""
     notice = session.notice
     if notice is None:
-        if session.path is None:
+        if session.path is None and session.model is None:
             _line("Drop a STEP or BREP file here", size, problem=False)
         return
     _line(notice.text, size, notice.is_problem)
