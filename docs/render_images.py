@@ -25,6 +25,7 @@ GALLERY = {
 
 
 def main() -> None:
+    draw_section("section_flange")
     for name, (width, height, direction) in GALLERY.items():
         model = nofacet.load(ROOT / "cad_models" / f"{name}.step")
         draw(model, nofacet.Camera.fit(model, direction, resolution=(width, height)), (width, height), name)
@@ -36,6 +37,14 @@ def main() -> None:
 
 def draw(model: nofacet.Model, camera: nofacet.Camera, resolution: tuple[int, int], name: str) -> None:
     frame = nofacet.render(model, camera, resolution, samples=8, edges=True)
+    frame.over(WHITE).save(ROOT / "docs" / "images" / f"{name}.png")
+
+
+def draw_section(name: str) -> None:
+    size = 960, 480
+    model = nofacet.load(ROOT / "cad_models" / "flange.step")
+    camera = nofacet.Camera.fit(model, (-0.6, 1, -0.7), resolution=size)
+    frame = nofacet.render(model, camera, size, samples=16, sections=[nofacet.Section((0, 0, 0), (0, -1, 0))])
     frame.over(WHITE).save(ROOT / "docs" / "images" / f"{name}.png")
 
 
