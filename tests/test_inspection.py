@@ -74,8 +74,7 @@ def test_hovering_gives_the_exact_facts_of_the_pixels_centre(session: Session, b
 
 
 def test_errors_are_told_once_they_are_measured(session: Session, balls: Model) -> None:
-    session.move(LEFT)
-    settle(session)
+    click(session, LEFT)
     assert session.inspection.hover and np.isnan(session.inspection.hover.conversion_error)
     session.described = replace(
         balls,
@@ -86,6 +85,8 @@ def test_errors_are_told_once_they_are_measured(session: Session, balls: Model) 
     settle(session)
     assert session.inspection.hover.conversion_error == 3e-13
     assert session.inspection.hover.trim_deviation == 4e-6
+    session.inspection.learn(session.described)
+    assert session.inspection.picked == session.inspection.hover
 
 
 def test_nothing_is_hovered_while_the_camera_moves(session: Session) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 import nofacet
 from egl import offscreen_context
+from nofacet import cli
 
 pytest.importorskip("moderngl")
 
@@ -67,6 +68,15 @@ def test_section_planes_cut_every_view(tmp_path: Path, view: View) -> None:
     divider = 2 * (middle - 4) if view is View.SIDE_BY_SIDE else 0
     assert whole > 500 and cut == divider
     assert pictures[1][middle + 4 :].sum() > 0.8 * pictures[0][middle + 4 :].sum()
+
+
+def test_the_command_line_cuts(tmp_path: Path) -> None:
+    cq.Workplane().sphere(3).export(str(tmp_path / "ball.step"))
+    arguments = ["view", str(tmp_path / "ball.step"), f"--output={tmp_path / 'view.png'}", "--view=exact"]
+    arguments += ["--resolution=300,300", "--section=0,0,0/0,0,1", "--section=0,0,0/1,0,0"]
+    assert cli.main(arguments) == 0
+    shown = pixels_of(tmp_path / "view.png")[: -caption_height(300)].min(axis=2) < 0.9
+    assert 0.2 < shown.mean() < 0.35  # a quarter of the ball
 
 
 def test_wrong_requests_are_one_line(tmp_path: Path) -> None:

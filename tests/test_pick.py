@@ -104,6 +104,7 @@ def test_what_the_model_says_of_a_face() -> None:
         "trimming    within 3.0e-06 mm",
     ]
     assert "trimming    not measured" in str(left)
+    assert "normal      0.000000, 0.600000, 0.800000" in str(replace(left, normal=(-1e-9, 0.6, 0.8)))
     assert nofacet.pick(model, camera, (400, 400), 200, 200) is None  # between the two
     assert nofacet.pick(model, camera, (400, 400), -50, 200) is None  # outside the picture, and nothing there
 

@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,56 +14,12 @@ import pytest
 
 import nofacet
 from nofacet import cli, image
-from xvfb import Hands, run_in_window
+from windows import BALLOON, FLANGE, SIZE, User, hide_panels, opened, rest, shown, srgb, until
+from xvfb import run_in_window
 
 pytest.importorskip("nofacet_viewer")
 pytest.importorskip("glfw")
 pytest.importorskip("imgui_bundle")
-
-MODELS = Path(__file__).resolve().parents[1] / "cad_models"
-FLANGE, BALLOON = str(MODELS / "flange.step"), str(MODELS / "balloon.step")
-SIZE = (640, 480)
-
-
-def opened(*files: str, view: str = "exact", **options: Any) -> Any:
-    """An app whose window is open and whose first file, if any, is shown in full quality."""
-    from nofacet_viewer.app import App, Options
-    from nofacet_viewer.keymap import Keymap
-    from nofacet_viewer.state import View
-
-    app = App(Options(files, View(view), size=SIZE, **options), Keymap())
-    if files:
-        until(app, lambda: app.session.model is not None)
-        rest(app)
-    return app
-
-
-def until(app: Any, condition: Callable[[], bool], seconds: float = 120.0) -> None:
-    """Let the window live until something has happened."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, f"nothing happened; notice: {app.session.notice}"
-        app.step(0.01)
-
-
-def rest(app: Any) -> None:
-    """Until the exact picture is in full quality and everything that is known is shown."""
-    session = app.session
-
-    def done() -> bool:
-        exact = session.exact
-        full = (
-            exact and exact.is_full and (exact.request.camera, exact.request.model) == (session.camera, session.drawn)
-        )
-        return bool(full and not session.tasks.running and not session.tessellated.busy and not app._frames_due)
-
-    until(app, done)
-
-
-def live(app: Any, seconds: float = 0.3) -> None:
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        app.step(0.01)
 
 
 def moved_from(app: Any, camera: nofacet.Camera) -> None:
@@ -79,147 +34,117 @@ def blinks_to(app: Any, exact: bool) -> None:
     until(app, lambda: app.session.state.blink_exact is exact)
 
 
-def shown(app: Any) -> np.ndarray:
-    """The window's pixels (height, width, 3)."""
-    return app.window.pixels(app._picture)
-
-
 # Keys and mouse, through the X server
 
 
 def scenario_keys() -> None:
-    app, hands = opened(FLANGE), Hands()
-    hands.move(300, 240)
+    app = opened(FLANGE)
+    user, session = User(app), app.session
+    user.move(300, 240)
     for key, direction in (
         ("1", (0, 1, 0)),
         ("3", (-1, 0, 0)),
         ("7", (0, 0, -1)),
         ("9", np.array((-1, 1, -1)) / 3**0.5),
     ):
-        before = app.session.camera
-        hands.press(key)
+        before = session.camera
+        user.press(key)
         moved_from(app, before)
-        np.testing.assert_allclose(app.session.camera.direction, direction, atol=1e-9)
-    hands.press("5")
-    until(app, lambda: app.session.camera.projection == "perspective")
-    hands.press("KP_Enter")
-    live(app)
-    assert app.session.camera.projection == "perspective"
-    hands.press("h")
+        np.testing.assert_allclose(session.camera.direction, direction, atol=1e-9)
+    user.press("5")
+    until(app, lambda: session.camera.projection == "perspective")
+    session.wheel(3.0)
+    before = session.camera
+    user.press("KP_Enter")
+    moved_from(app, before)
+    assert session.camera.projection == "perspective"
+    user.press("h")
     until(app, lambda: app.panels.help)
-    hands.press("z")
-    until(app, lambda: "zebra" in app.session.state.overlays)
+    user.press("z")
+    until(app, lambda: "zebra" in session.state.overlays)
     for key, view in (("w", "wipe"), ("d", "difference"), ("s", "side-by-side"), ("t", "tessellated"), ("e", "exact")):
-        hands.press(key)
+        user.press(key)
         view_is(app, view)
-    hands.press("Control_L", "q")
+    user.press("Control_L", "q")
     until(app, lambda: app.closed)
     app.close()
 
 
 def scenario_mouse() -> None:
-    app, hands = opened(FLANGE), Hands()
-    app.on_key("Tab", frozenset())
-    live(app)
-    session = app.session
-
-    def drag(button: str, x: float, y: float, *held: str) -> None:
-        hands.move(300, 240)
-        live(app, 0.1)
-        for key in held:
-            hands.key(key, True)
-        hands.button(button, True)
-        for step in range(1, 6):
-            hands.move(300 + x * step / 5, 240 + y * step / 5)
-            live(app, 0.05)
-        hands.button(button, False)
-        for key in held:
-            hands.key(key, False)
-        live(app, 0.1)
-
+    app = opened(FLANGE)
+    user, session = User(app), app.session
+    hide_panels(app)
+    start = 300, 240
     before = session.camera
-    drag("left", 80, 0)
+    user.drag("left", start, (80, 0))
     assert session.camera.focal_point == before.focal_point
     assert session.camera.position[2] == pytest.approx(before.position[2])
     assert not np.allclose(session.camera.direction, before.direction)
     for button, held in (("middle", ()), ("left", ("Shift_L",))):
         before = session.camera
-        drag(button, 50, 20, *held)
+        user.drag(button, start, (50, 20), *held)
         np.testing.assert_allclose(session.camera.direction, before.direction, atol=1e-12)
         x, y, _, w = session.camera.pixel_from_world(SIZE) @ [*before.focal_point, 1.0]
         assert (x / w, y / w) == pytest.approx((370, 260), abs=0.01)
     before = session.camera
-    drag("right", 0, -60)
+    user.drag("right", start, (0, -60))
     assert session.camera.view_height < before.view_height
     before = session.camera
-    hands.click("wheel up")
-    until(app, lambda: session.camera.view_height == pytest.approx(before.view_height / 1.1))
+    user.wheel("up")
+    assert session.camera.view_height == pytest.approx(before.view_height / 1.1)
+
+
+def scenario_cursor() -> None:
+    """Ctrl+wheel zooms to the point under the cursor, the middle button centres on it."""
+    app = opened(FLANGE)
+    user, session = User(app), app.session
+    hide_panels(app)
     rest(app)
     faces = session.exact.frame.face
-    row, column = (int(values.mean()) for values in np.nonzero(faces >= 0))
-    row, column = next(
-        (r, c) for r, c in zip(*np.nonzero(faces >= 0), strict=True) if abs(r - row) + abs(c - column) < 90
-    )
-    hands.move(column, row)
-    live(app, 0.2)
-    hover, before = session.hover, session.camera
+    row, column = (int(value) for value in np.argwhere(faces >= 0)[len(np.argwhere(faces >= 0)) // 2])
+    user.move(column, row)
+    hover = session.hover
     assert hover and hover.face == faces[row, column]
-    hands.key("Control_L", True)
-    hands.click("wheel up")
-    until(app, lambda: session.camera is not before)
-    hands.key("Control_L", False)
+    user.wheel("up", "Control_L")
     x, y, _, w = session.camera.pixel_from_world(SIZE) @ [*hover.point, 1.0]
     assert (x / w, y / w) == pytest.approx((column + 0.5, row + 0.5), abs=1e-6)
     rest(app)
     hover = session.hover
-    hands.click("middle")
-    until(app, lambda: session.camera.focal_point == pytest.approx(hover.point))
+    user.click("middle", column, row)
+    assert session.camera.focal_point == pytest.approx(hover.point)
     app.close()
 
 
 def scenario_pixels() -> None:
     """The window shows what render() draws, and after a drag again."""
-    app, hands = opened(FLANGE), Hands()
-    app.on_key("Tab", frozenset())
+    app = opened(FLANGE)
+    user = User(app)
+    hide_panels(app)
     for turn in range(2):
         rest(app)
-        live(app)
         frame = nofacet.render(app.session.model, app.session.camera, SIZE, samples=16).over((1.0, 1.0, 1.0))
-        linear = frame.color[..., :3]
-        srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.clip(linear, 0, 1) ** (1 / 2.4) - 0.055)
-        assert np.abs(shown(app) - np.rint(255 * srgb)).max() <= 2
+        assert np.abs(shown(app) - srgb(frame.color[..., :3])).max() <= 2
         if turn == 0:
-            hands.move(300, 240)
-            hands.button("left", True)
-            hands.move(340, 260)
-            live(app)
-            hands.button("left", False)
+            user.drag("left", (300, 240), (40, 20))
 
 
 def scenario_wipe() -> None:
-    app, hands = opened(FLANGE, view="wipe"), Hands()
-    app.on_key("Tab", frozenset())
-    until(app, lambda: app.session.tessellated.result is not None)
+    app = opened(FLANGE, view="wipe")
+    user, tessellated = User(app), app.session.tessellated
+    hide_panels(app)
+    until(app, lambda: tessellated.result is not None)
     camera = app.session.camera
-    hands.move(320, 100)
-    live(app, 0.1)
-    hands.button("left", True)
-    hands.move(400, 100)
-    live(app, 0.1)
-    hands.move(480, 100)
-    live(app, 0.1)
-    hands.button("left", False)
-    live(app)
+    user.drag("left", (320, 100), (160, 0))
     assert app.session.state.wipe == pytest.approx(0.75, abs=0.01)
     assert app.session.camera is camera
-    until(app, lambda: app.session.tessellated.difference is not None)
-    mesh, error = app.session.tessellated.result.mesh, app.session.tessellated.difference.error
+    until(app, lambda: tessellated.difference is not None)
+    mesh, error = tessellated.result.mesh, tessellated.difference.error
     assert 0 < error.largest < 5
-    app.session.tessellated.choice = "FreeCAD"
+    tessellated.choice = "FreeCAD"
     app.session.mesh()
-    until(app, lambda: app.session.tessellated.result.mesh is not mesh)
-    until(app, lambda: app.session.tessellated.difference is not None)
-    assert app.session.tessellated.difference.error.largest > error.largest  # a coarser mesh
+    until(app, lambda: tessellated.result.mesh is not mesh)
+    until(app, lambda: tessellated.difference is not None)
+    assert tessellated.difference.error.largest > error.largest  # a coarser mesh
     app.close()
 
 
@@ -231,7 +156,7 @@ def scenario_blink() -> None:
     app.close()
 
 
-@pytest.mark.parametrize("scenario", ["keys", "mouse", "pixels", "wipe", "blink"])
+@pytest.mark.parametrize("scenario", ["keys", "mouse", "cursor", "pixels", "wipe", "blink"])
 def test_keys_and_mouse(scenario: str) -> None:
     run_in_window("test_window", f"scenario_{scenario}")
 
@@ -242,7 +167,7 @@ def test_keys_and_mouse(scenario: str) -> None:
 def scenario_files(folder: str) -> None:
     app = opened()
     assert app.session.path is None
-    live(app, 0.1)
+    app.step()
     bad = str(Path(folder, "empty.step"))
     Path(bad).write_text("")
     app.on_drop([bad])
@@ -288,12 +213,15 @@ def scenario_watch(folder: str) -> None:
 def scenario_cancel() -> None:
     app = opened()
     app.on_drop([FLANGE])
-    live(app, 0.15)
+    app.step()
     assert app.session.loader.path == FLANGE
     app.session.cancel_reading()
-    live(app, 0.5)
-    assert app.session.model is None
     assert app.session.notice.text == f"{FLANGE}: reading was called off"
+    assert app.session.loader.path is None
+    end = time.monotonic() + 1.0
+    while time.monotonic() < end:
+        app.step(0.01)
+    assert app.session.model is None  # and none comes
     app.close()
 
 
@@ -319,27 +247,24 @@ def scenario_pictures(folder: str) -> None:
     app.close()
 
 
+def red_pixels(app: Any) -> int:
+    rest(app)
+    picture = shown(app)
+    return int((picture[..., 0] > picture[..., 1] + 50).sum())
+
+
 def scenario_appearance() -> None:
     app = opened(FLANGE)
-    app.on_key("Tab", frozenset())
+    hide_panels(app)
     appearance = app.session.appearance
     handle = np.flatnonzero(appearance.color[:, 0] > 2 * appearance.color[:, 1])  # is red in the file
-    rest(app)
-    live(app)
-    picture = shown(app).astype(int)
-    red = (picture[..., 0] > picture[..., 1] + 50).sum()
+    red = red_pixels(app)
     assert red > 500
     appearance.show(handle, False)
     app.session.appearance_changed()
-    rest(app)
-    live(app)
-    picture = shown(app).astype(int)
-    assert (picture[..., 0] > picture[..., 1] + 50).sum() == 0
+    assert red_pixels(app) == 0
     app.on_key("A", frozenset())
-    rest(app)
-    live(app)
-    picture = shown(app).astype(int)
-    assert (picture[..., 0] > picture[..., 1] + 50).sum() == red
+    assert red_pixels(app) == red
     app.close()
 
 
@@ -413,6 +338,11 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     [
         (["--view=wip", "a.step"], "--view: unknown view 'wip'; did you mean wipe?"),
         (["--camera=missing.json", "a.step"], "missing.json: No such file or directory"),
+        (
+            ["--section=0,0,0", "a.step"],
+            "argument --section: '0,0,0' is not ORIGIN/NORMAL; write for example 0,0,10/0,0,1 "
+            "(see nofacet view --help)",
+        ),
         (["--output=a.png", "a.step", "b.step"], "--output draws one model once; give one MODEL and leave out --watch"),
     ],
 )

@@ -52,7 +52,7 @@ def run_in_window(module: str, scenario: str, *arguments: str) -> None:
             env=environment,
             capture_output=True,
             text=True,
-            timeout=300,
+            timeout=1200,  # a starved machine is slow, not wrong
         )
     if result.returncode:
         pytest.fail(result.stdout + result.stderr)

@@ -24,6 +24,7 @@
 #include "light.h"
 #include "methods.h"
 #include "outline.h"
+#include "srgb.h"
 #include "surface_point.h"
 
 namespace nb = nanobind;
@@ -126,7 +127,12 @@ auto owned_flags(std::vector<uint8_t>&& values) {
 
 nb::tuple surface_points_of(nb::handle source) {
   Kept kept;
-  SurfacePoints points = surface_points(model_view(kept, source));
+  const Model model = model_view(kept, source);
+  SurfacePoints points;
+  {
+    nb::gil_scoped_release release;
+    points = surface_points(model);
+  }
   const std::size_t count = points.xyz.size() / 3;
   return nb::make_tuple(owned(std::move(points.xyz), std::initializer_list<std::size_t>{count, 3}),
                         owned(std::vector<int64_t>(points.first.begin(), points.first.end())));
@@ -223,6 +229,13 @@ nb::ndarray<nb::numpy, uint8_t, nb::ndim<1>> frame_buffer(std::size_t bytes) {
     delete held;
   });
   return {lease->memory, {bytes}, owner};
+}
+
+void srgb8_into(Array<float, nb::shape<-1, -1, 4>> color, std::optional<Array<double, nb::shape<3>>> background,
+                int threads, nb::ndarray<uint8_t, nb::shape<-1, -1, 4>, nb::c_contig, nb::device::cpu> out) {
+  if (out.size() != color.size()) throw std::invalid_argument("pictures of different sizes");
+  nb::gil_scoped_release release;
+  srgb8(color.data(), color.size() / 4, background ? background->data() : nullptr, threads, out.data());
 }
 
 nb::dict measure_scene_floor(const BoundScene& bound, Array<int32_t, nb::shape<-1, -1>> face,
@@ -481,6 +494,8 @@ NB_MODULE(_native, module) {
              "Uninitialised uint8 array of shape (bytes,) in memory that is used again for later frames.");
   module.def(
       "release_frame_buffers", [] { BufferPool::instance().release(); }, "Frees the memory kept for later frames.");
+  module.def("srgb8", &srgb8_into, nb::arg("color"), nb::arg("background").none(), nb::arg("threads"), nb::arg("out"),
+             "Fill `out` (h, w, 4) with 8-bit sRGB of `color`, before a linear background or with straight alpha.");
   module.def("method_names", &method_names, "Names of the rendering methods.");
   module.def("casts_secondary_rays", &casts_secondary_rays, nb::arg("method"),
              "Whether the method offers shadows and mirror reflection.");

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import image
+from . import _native, image
 from .camera import METADATA_KEY, Camera
 
 # Buffer -> (dtype, channels, channel names in an EXR file). Arrays are (height, width) or (height, width, channels).
@@ -82,10 +83,18 @@ class Frame:
             raise AttributeError(f"{name} was not rendered; ask for it: nofacet.render(..., buffers={asked})")
         return self.camera.position_from_depth(self._buffers[stored]) if name == "position" else self._buffers[stored]
 
+    def srgb8(self, background: Sequence[float] | None = None) -> NDArray[np.uint8]:
+        """The color buffer as screens show it, (h, w, 4) uint8 sRGB: with straight alpha as `save` writes it or, before
+        a background (three sRGB values from 0 to 1), opaque. The interpreter's lock is free meanwhile."""
+        behind = None if background is None else _linear_from_srgb(np.asarray(background, np.float64))
+        pixels: NDArray[np.uint8] = _native.frame_buffer(self.color.size).reshape(self.color.shape)
+        _native.srgb8(np.ascontiguousarray(self.color), behind, os.cpu_count() or 1, pixels)
+        return pixels
+
     def over(self, background: Sequence[float]) -> Frame:
         """This frame before an opaque background, three sRGB values from 0 to 1. Needs the color buffer."""
         color = self.color.copy()
-        color[..., :3] += (1 - color[..., 3:]) * _linear_from_srgb(np.asarray(background, np.float32))
+        color[..., :3] += (1 - color[..., 3:]) * _linear_from_srgb(np.asarray(background)).astype(np.float32)
         color[..., 3] = 1
         return Frame(self.camera, {**self._buffers, "color": color}, self.stats)
 
@@ -109,7 +118,7 @@ class Frame:
             SOFTWARE_KEY: f"nofacet {version('nofacet')}",
         }
         if extension == ".png":
-            image.write(path, _srgb8_from_premultiplied(self.color), ("R", "G", "B", "A"), attributes)
+            image.write(path, self.srgb8(), ("R", "G", "B", "A"), attributes)
             return
         arrays: dict[str, Any] = {}
         for name in self.buffers if buffers is None else buffers:
@@ -179,13 +188,5 @@ def _buffer(name: str) -> tuple[type[np.generic], int, tuple[str, ...]]:
     return BUFFERS[name]
 
 
-def _srgb8_from_premultiplied(color: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """8-bit sRGB with straight alpha from linear RGBA with premultiplied alpha, both (h, w, 4)."""
-    alpha = np.clip(color[..., 3:], 0, 1)
-    straight = np.clip(color[..., :3] / np.where(alpha > 0, alpha, 1), 0, 1)
-    srgb = np.where(straight <= 0.0031308, 12.92 * straight, 1.055 * straight ** (1 / 2.4) - 0.055)
-    return np.rint(255 * np.concatenate([srgb, alpha], axis=2)).astype(np.uint8)
-
-
-def _linear_from_srgb(srgb: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4).astype(np.float32)
+def _linear_from_srgb(srgb: NDArray[np.floating]) -> NDArray[np.floating]:
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)

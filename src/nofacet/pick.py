@@ -75,7 +75,10 @@ class Pick:
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
         """For people: what each fact is called, and the fact."""
-        point = ("point", lengths_text(self.position)), ("normal", ", ".join(f"{value:.6f}" for value in self.normal))
+        point = (
+            ("point", lengths_text(self.position)),
+            ("normal", ", ".join(f"{round(value, 6) + 0.0:.6f}" for value in self.normal)),
+        )
         if self.section is not None:
             return point
         return (

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +24,17 @@ from .painter import Painter
 from .panels.all import Panels
 from .pictures import picture_path, save_exact, save_window
 from .session import BLINK_SECONDS, Session
-from .state import View
-from .tessellated import POLL_SECONDS
+from .srgb import encoded
+from .state import View, ViewState
+from .tessellated import POLL_SECONDS as MESH_POLL_SECONDS
 from .window import Window
 
 TITLE = "nofacet"
 SIZE = (1280, 720)
 IDLE_SECONDS = 0.25  # between looks at the clock and at files
 BUSY_SECONDS = 0.1  # between pictures of a progress bar
+POLL_SECONDS = 0.01  # between looks whether the painter can go on
+REST_SECONDS = 0.1  # without a motion until the painter refines what it has painted
 SETTLING_FRAMES = 2  # that imgui needs after an input until its picture stays the same
 
 
@@ -59,7 +62,7 @@ class Painted:
     difference: Any = None
     exact: Exact | None = None
     selected: Any = None
-    state: Any = None
+    state: ViewState = field(default_factory=ViewState)
     camera: nofacet.Camera | None = None
     size: tuple[int, int] = (0, 0)
 
@@ -89,7 +92,7 @@ class App:
         self.panels = Panels(self.session, self.keymap)
         self.pictures: list[Path] = []  # that were written
         self._painted = Painted()
-        self._picture: Any = None  # framebuffer with what the painter has painted
+        self._moved = 0.0  # time.monotonic() at which another picture was asked for
         self._frames_due = SETTLING_FRAMES
         self._screenshot = False
         self._quit = False
@@ -121,8 +124,7 @@ class App:
         """
         self.window.wait(self._patience() if wait is None else wait)
         self._update()
-        repainted = self._paint()
-        if not (repainted or self._frames_due > 0):
+        if not (self._picture_changed() or self._frames_due > 0) or 0 in self.session.size:
             return False
         self._frames_due = max(0, self._frames_due - 1)
         self._draw()
@@ -182,8 +184,10 @@ class App:
             return 0.0
         if self.session.loader.path and not self.session.loader.measured:
             return BUSY_SECONDS
-        if self.session.tessellated.busy or self.painter.busy:
+        if self.painter.busy:
             return POLL_SECONDS
+        if self.session.tessellated.busy:
+            return MESH_POLL_SECONDS
         return min(IDLE_SECONDS, BLINK_SECONDS / 4) if self.session.state.view is View.BLINK else IDLE_SECONDS
 
     def _update(self) -> None:
@@ -225,24 +229,29 @@ class App:
             edges="edges" in overlays,
             curvature="curvature" in overlays,
             sections=session.state.sections,
+            background=session.state.background,
         )
 
-    def _paint(self) -> bool:
-        """Paint the picture again if it would be another one; whether it was."""
+    def _picture_changed(self) -> bool:
+        """Whether the painter would paint another picture now than it did last, or than it does after refining that."""
         session, painted = self.session, self._painted
-        if 0 in session.size:
-            return False
         given = self._give_to_painter()
         camera, state, exact = session.camera, session.state.copy(), session.shown_exact
         if exact:
             camera, state.sections = exact.request.camera, exact.request.sections
-        if camera is None or not (
-            given or self.painter.busy or (state, camera, session.size) != (painted.state, painted.camera, painted.size)
-        ):
-            return False
-        self.painter.paint(state, camera, self._framebuffer(session.size), session.size)
-        painted.state, painted.camera, painted.size = state, camera, session.size
-        return True
+        now = time.monotonic()
+        if (state, camera, session.size) != (painted.state, painted.camera, painted.size):
+            painted.state, painted.camera, painted.size = state, camera, session.size
+            self._moved = now
+            return True
+        return given or (now - self._moved >= REST_SECONDS and self.painter.refine())
+
+    def _paint(self, framebuffer: Any) -> None:
+        painted = self._painted
+        if painted.camera:
+            self.painter.paint(painted.state, painted.camera, framebuffer, painted.size)
+        else:
+            framebuffer.clear(*encoded(painted.state.background))
 
     def _give_to_painter(self) -> bool:
         """Hand over what is new; whether anything was."""
@@ -264,33 +273,21 @@ class App:
         if painted.exact is not session.exact:
             painted.exact = session.exact
             exact = session.exact
-            self.painter.set_exact(*(exact.frame, exact.curvature) if exact else (None,))
+            self.painter.set_exact(*(exact.frame, exact.curvature, exact.pixels) if exact else (None,))
         return any(before[name] is not value for name, value in painted.__dict__.items())
-
-    def _framebuffer(self, size: tuple[int, int]) -> Any:
-        if self._picture is None or self._picture.size != size:
-            if self._picture:
-                self._picture.color_attachments[0].release()
-                self._picture.release()
-            self._picture = self.window.context.framebuffer([self.window.context.texture(size, 4)])
-        return self._picture
 
     def _draw(self) -> None:
         """Show the picture with the panels before it."""
-        if 0 in self.session.size:
-            return
-        framebuffer = self._framebuffer(self.session.size)
-        self.window.context.scissor = None
-        self.window.draw(framebuffer, self.panels.draw)
+        self.window.draw(self._paint, self.panels.draw)
         if self._screenshot:
             self._screenshot = False
-            self._save_window(framebuffer)
+            self._save_window()
         self.window.present()
 
     # Pictures
 
-    def _save_window(self, picture: Any) -> None:
-        session, pixels = self.session, self.window.pixels(picture)
+    def _save_window(self) -> None:
+        session, pixels = self.session, self.window.pixels(self._paint)
         path = picture_path(session.path, Path.cwd())
         session.tasks.run(lambda: save_window(path, pixels, session.camera), self._saved)
 

@@ -6,12 +6,12 @@ import moderngl
 import numpy as np
 
 from .color_scale import ColorScale
+from .palette import ramp_texture
 from .panes import Pane
 from .programs import bind, program, set_uniforms
-from .sides import SidePicture, ramp_texture
+from .sides import SidePicture
+from .srgb import RGB
 from .targets import SurfaceTarget
-
-RGB = tuple[float, float, float]
 
 
 class Compositor:
@@ -19,24 +19,31 @@ class Compositor:
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
+        self._show = program(context, "fullscreen.vert", "show.frag")
         self._compose = program(context, "fullscreen.vert", "compose.frag")
         self._difference = program(context, "fullscreen.vert", "difference.frag")
-        self._arrays = {target: context.vertex_array(target, []) for target in (self._compose, self._difference)}
+        programs = self._show, self._compose, self._difference
+        self._arrays = {target: context.vertex_array(target, []) for target in programs}
         self._no_face = context.texture((1, 1), 1, np.full(1, -1, np.int32), dtype="i4")
         self._no_error = context.texture((1, 1), 2, np.zeros(2, np.float32), dtype="f4")
-        self._no_mark = context.texture((1, 1), 4, np.zeros(4, np.float32), dtype="f4")
+        self._nothing = context.texture((1, 1), 4, np.zeros(4, np.float32), dtype="f4")
         self._no_face.filter = moderngl.NEAREST, moderngl.NEAREST
 
-    def draw(self, picture: SidePicture, pane: Pane, background: RGB) -> None:
-        """A side's picture before the background; the framebuffer's scissor says which part of the pane."""
+    def draw(self, picture: SidePicture, pane: Pane) -> None:
+        """A side's picture; the framebuffer's scissor says which part of the pane."""
+        if picture.lines is None and picture.marks is None:
+            set_uniforms(self._show, top_first=picture.top_first)
+            bind(self._show, picture=picture.surfaces)
+            self._fill(self._show, pane)
+            return
         has_marks = picture.face is not None and picture.marks is not None
-        set_uniforms(self._compose, top_first=picture.top_first, has_marks=has_marks, background=background)
+        set_uniforms(self._compose, top_first=picture.top_first, has_marks=has_marks)
         bind(
             self._compose,
             picture=picture.surfaces,
-            lines=picture.lines,
+            lines=picture.lines or self._nothing,
             frame_face=picture.face or self._no_face,
-            face_marks=picture.marks or self._no_mark,
+            face_marks=picture.marks or self._nothing,
         )
         self._fill(self._compose, pane)
 
@@ -71,12 +78,10 @@ class Compositor:
         ramp.release()
 
     def release(self) -> None:
-        empty = self._no_face, self._no_error, self._no_mark
-        for held in (*self._arrays.values(), self._compose, self._difference, *empty):
+        for held in (*self._arrays.values(), *self._arrays, self._no_face, self._no_error, self._nothing):
             held.release()
 
     def _fill(self, target: moderngl.Program, pane: Pane) -> None:
         self._context.enable_only(moderngl.NOTHING)
         self._context.fbo.viewport = pane.x, 0, pane.width, pane.height
-        set_uniforms(target, pane=(float(pane.x), 0.0, float(pane.width), float(pane.height)))
         self._arrays[target].render(moderngl.TRIANGLES, vertices=3)

@@ -3,6 +3,8 @@
 In motion a frame is drawn at the scale that keeps up with 30 frames a second; once the camera rests, at full
 resolution with 1, 4 and 16 samples. A new request ends the refinement at once; a frame in motion is finished first, for
 under a mouse that never rests nothing would ever be shown otherwise.
+
+Frames come with their pixels as the window shows them, so that its thread has nothing to compute.
 """
 
 from __future__ import annotations
@@ -20,16 +22,19 @@ import nofacet
 
 from .overlays import frame_curvature
 from .scale import AdaptiveScale, scaled
+from .srgb import RGB, encoded
+from .state import WHITE
 from .tasks import give_way
 
 REFINEMENTS = (1, 4, 16)  # samples, at full resolution
 FULL_SAMPLES = REFINEMENTS[-1]
+REST_SECONDS = 0.03  # without another request until refinement begins, which would slow down what shows a motion
 
 
 @dataclass(frozen=True)
 class Request:
     """What the exact picture shows: resolution in pixels, the frame buffers that are needed, whether with edges drawn
-    and with the surfaces' curvature, and the planes that cut the model."""
+    and with the surfaces' curvature, the planes that cut the model, and the background (linear RGB)."""
 
     model: nofacet.Model
     camera: nofacet.Camera
@@ -38,6 +43,7 @@ class Request:
     edges: bool = False
     curvature: bool = False
     sections: tuple[nofacet.Section, ...] = ()
+    background: RGB = WHITE
 
     def moves_on_from(self, other: Request) -> bool:
         """Whether only the camera or the section planes are others."""
@@ -48,7 +54,8 @@ class Request:
 class Exact:
     """A finished frame of a request: at which scale of its resolution, with how many samples, and what it took.
 
-    curvature: what overlays.frame_curvature gives for the frame, where it was asked for.
+    curvature: what overlays.frame_curvature gives for the frame, where it was asked for. pixels: what frame.srgb8 gives
+    before the request's background.
     """
 
     frame: nofacet.Frame
@@ -57,6 +64,7 @@ class Exact:
     samples: int
     seconds: float
     curvature: NDArray[np.float32] | None = None
+    pixels: NDArray[np.uint8] | None = None
 
     @property
     def is_full(self) -> bool:
@@ -129,8 +137,12 @@ class ExactRenderer:
 
     def _draw(self, request: Request, number: int) -> None:
         """All steps of a request, until there is another one."""
+        moved = False
         for step in self._steps():
             with self._changed:
+                if moved:
+                    self._changed.wait_for(lambda: self._stopped or self._number != number, REST_SECONDS)
+                moved = step.moving
                 if self._stopped or self._number != number:
                     return
                 self._cancel = nofacet.Cancel()
@@ -169,7 +181,8 @@ class ExactRenderer:
             cancel=self._cancel,
         )
         seconds = time.perf_counter() - start
+        pixels = frame.srgb8(encoded(request.background))
         if step.moving:
-            self.scale.update(seconds, step.scale)
+            self.scale.update(time.perf_counter() - start, step.scale)
         curvature = frame_curvature(request.model, frame) if request.curvature else None
-        return Exact(frame, request, step.scale, step.samples, seconds, curvature)
+        return Exact(frame, request, step.scale, step.samples, seconds, curvature, pixels)

@@ -8,10 +8,13 @@ from numpy.typing import NDArray
 
 import nofacet
 
-from .mesh_layer import FaceColors
+from .palette import Palette
 from .programs import bind, program, set_light, set_uniforms
 from .projection import project
-from .targets import BACKGROUND_DEPTH
+from .srgb import RGB, encoded
+from .targets import BACKGROUND_DEPTH, picture_texture
+
+_NEEDED = {"zebra": (), "lit": (), "curvature": ("curvature",)}  # beside face, normal and coverage
 
 
 def recoloring(context: moderngl.Context, shading: str) -> moderngl.VertexArray:
@@ -20,38 +23,57 @@ def recoloring(context: moderngl.Context, shading: str) -> moderngl.VertexArray:
 
 
 class ExactLayer:
-    """One frame's buffers as textures, row 0 at the top. Those that the frame lacks are None.
-
-    curvature: (height, width) float32, mean curvature at the pixel centres, NaN where there is none.
-    """
+    """One frame as textures, row 0 at the top. Each is made when it is first asked for: most are never needed."""
 
     def __init__(
-        self, context: moderngl.Context, frame: nofacet.Frame, curvature: NDArray[np.float32] | None = None
+        self,
+        context: moderngl.Context,
+        frame: nofacet.Frame,
+        curvature: NDArray[np.float32] | None = None,
+        pixels: NDArray[np.uint8] | None = None,
     ) -> None:
+        """curvature: (height, width), mean curvature at the pixel centres, NaN where there is none. pixels: what
+        frame.srgb8 gives before the background, where that has been made already."""
         self.frame = frame
         self._context = context
-        self.color = self._upload("color", frame.color)
-        self.face = self._upload("face", frame.face) if "face" in frame.buffers else None
-        self._normal = self._upload("normal", frame.normal) if "normal" in frame.buffers else None
-        self._coverage = self._upload("coverage", frame.coverage) if "coverage" in frame.buffers else None
-        self._curvature = None if curvature is None else self._upload("curvature", curvature)
-        self.depth: moderngl.Texture | None = None
-        if "depth" in frame.buffers:
-            depth = np.where(np.isfinite(frame.depth), frame.depth, BACKGROUND_DEPTH)
-            self.depth = self._upload("depth", depth.astype(np.float32))
+        self._curvature = curvature
+        self._pixels = pixels
+        self._pixels_before: RGB | None = None
+        self._picture: moderngl.Texture | None = None
+        self._values: dict[str, moderngl.Texture] = {}
+
+    def picture(self, background: RGB) -> moderngl.Texture:
+        """The frame before a background (linear RGB), 8-bit sRGB."""
+        if self._pixels is None or self._pixels_before not in (None, background):
+            self._pixels = self.frame.srgb8(encoded(background))
+            self._forget_picture()
+        self._pixels_before = background
+        if self._picture is None:
+            self._picture = picture_texture(self._context, self.frame.resolution, self._pixels)
+        return self._picture
+
+    def values(self, name: str) -> moderngl.Texture | None:
+        """A buffer of the frame, or "curvature"; None where there is none. Depth is BACKGROUND_DEPTH on background."""
+        if name not in self._values:
+            values = self._curvature
+            if name != "curvature":
+                values = getattr(self.frame, name) if name in self.frame.buffers else None
+            if values is None:
+                return None
+            if name == "depth":
+                values = np.where(np.isfinite(values), values, BACKGROUND_DEPTH).astype(np.float32)
+            self._values[name] = self._upload(values)
+        return self._values[name]
 
     def can_shade(self, shading: str) -> bool:
-        """Whether the frame has what recoloured() needs."""
-        values = [self.face, self._normal, self._coverage]
-        return all([*values, self._curvature] if shading == "curvature" else values)
+        """Whether the frame has what recolored() needs."""
+        return all(self.values(name) for name in ("face", "normal", "coverage", *_NEEDED[shading]))
 
-    def recolored(
-        self, shader: moderngl.VertexArray, colors: FaceColors, ramp: moderngl.Texture, ramp_end: float
-    ) -> moderngl.Texture:
-        """The frame as `shader`, of recoloring(), draws it (see MeshLayer.draw): a new texture, which the caller
-        releases."""
+    def recolored(self, shader: moderngl.VertexArray, palette: Palette, background: RGB) -> moderngl.Texture:
+        """The frame as `shader`, of recoloring(), draws it (see MeshLayer.draw) before a background, 8-bit sRGB: a new
+        texture, which the caller releases."""
         frame, camera = self.frame, self.frame.camera
-        picture = self._context.texture(frame.resolution, 4, dtype="f4")
+        picture = picture_texture(self._context, frame.resolution)
         framebuffer = self._context.framebuffer([picture])
         framebuffer.use()
         target = shader.program
@@ -59,34 +81,30 @@ class ExactLayer:
         set_light(target, project(camera, frame.resolution, origin, (origin, origin)))
         slope = camera.extent_at_unit_depth() / frame.height
         eye_from_world = np.array(camera.axes())
-        set_uniforms(target, slope=slope, eye_from_world=eye_from_world, ramp_end=ramp_end)
-        textures = {
-            "face_colors": colors.texture,
-            "ramp": ramp,
-            "frame_color": self.color,
-            "frame_face": self.face,
-            "frame_normal": self._normal,
-            "frame_coverage": self._coverage,
-            "frame_curvature": self._curvature,
-        }
-        bind(target, **{name: texture for name, texture in textures.items() if texture})
+        set_uniforms(target, slope=slope, eye_from_world=eye_from_world, ramp_end=palette.end, background=background)
+        values = {f"frame_{name}": self.values(name) for name in ("face", "normal", "coverage", "curvature")}
+        own = {"face_colors": palette.faces.texture, "ramp": palette.ramp, "frame_color": self.picture(background)}
+        bind(target, **{name: texture for name, texture in {**own, **values}.items() if texture})
         self._context.enable_only(moderngl.NOTHING)
         shader.render(moderngl.TRIANGLES, vertices=3)
         framebuffer.release()
         return picture
 
     def release(self) -> None:
-        for texture in (self.color, self.face, self.depth, self._normal, self._coverage, self._curvature):
-            if texture:
-                texture.release()
+        self._forget_picture()
+        for texture in self._values.values():
+            texture.release()
 
-    def _upload(self, name: str, values: NDArray[np.float32] | NDArray[np.int32]) -> moderngl.Texture:
+    def _forget_picture(self) -> None:
+        if self._picture:
+            self._picture.release()
+        self._picture = None
+
+    def _upload(self, values: NDArray[np.float32] | NDArray[np.int32]) -> moderngl.Texture:
         height, width = values.shape[:2]
         components = values.shape[2] if values.ndim == 3 else 1
-        texture = self._context.texture(
-            (width, height), components, np.ascontiguousarray(values), dtype="i4" if name == "face" else "f4"
-        )
-        smooth = name == "color"
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR) if smooth else (moderngl.NEAREST, moderngl.NEAREST)
+        dtype = "i4" if values.dtype == np.int32 else "f4"
+        texture = self._context.texture((width, height), components, np.ascontiguousarray(values), dtype=dtype)
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
         texture.repeat_x = texture.repeat_y = False
         return texture

@@ -33,10 +33,7 @@ class Place:
     def pick(self) -> nofacet.Pick | None:
         """What is there. The described model only adds to it: another model would have to be prepared for drawing."""
         found = nofacet.pick(self.model, self.camera, self.resolution, *self.at, sections=self.sections)
-        if found is None or found.section is not None:
-            return found
-        error = self.described.conversion_error[self.described.face_definition[found.face]]
-        return replace(found, conversion_error=float(error), trim_deviation=self.described.trim_deviation(found.face))
+        return found and with_errors(found, self.described)
 
 
 class Inspection:
@@ -75,6 +72,11 @@ class Inspection:
         self._clicks.clear()
         self._tasks = Tasks(self._wake)  # what is still being picked comes to nothing
         self.selected = np.zeros(face_count, bool)
+
+    def learn(self, described: nofacet.Model) -> None:
+        """The errors of the model's conversion are known now."""
+        self.picked = self.picked and with_errors(self.picked, described)
+        self.points = tuple(with_errors(point, described) for point in self.points)
 
     def look(self, place: Place | None) -> None:
         """The mouse is here now; None: over no picture."""
@@ -143,6 +145,14 @@ def part_of(model: nofacet.Model, pick: nofacet.Pick) -> Faces:
         return np.array([pick.face], np.int32)
     body = np.searchsorted(model.body_offsets, holder[0], side="right") - 1
     return model.body_face[model.body_offsets[body] : model.body_offsets[body + 1]]
+
+
+def with_errors(pick: nofacet.Pick, described: nofacet.Model) -> nofacet.Pick:
+    """A pick with what the model knows of its face's conversion."""
+    if pick.section is not None:
+        return pick
+    error = float(described.conversion_error[described.face_definition[pick.face]])
+    return replace(pick, conversion_error=error, trim_deviation=described.trim_deviation(pick.face))
 
 
 def _pick_or_none(found: nofacet.Pick | Exception | None) -> nofacet.Pick | None:

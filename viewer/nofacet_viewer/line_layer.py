@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -30,10 +31,12 @@ class LineStyle:
 
 @dataclass(frozen=True)
 class DepthPicture:
-    """What hides lines: depth at pixel centres. top_first: its row 0 is the picture's top."""
+    """What hides lines: depth at pixel centres. top_first: its row 0 is the picture's top. shows: what is in it, where
+    one texture holds one after another."""
 
     texture: moderngl.Texture
     top_first: bool
+    shows: Any = None
 
 
 class LineLayer:

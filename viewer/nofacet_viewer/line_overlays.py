@@ -32,6 +32,7 @@ class LineOverlays:
         self._begun: dict[str, tuple[Any, Future[Segments]]] = {}
         self._ready: dict[str, LineLayer] = {}
         self._drawn: dict[str, Future[Segments]] = {}  # what the layers that are ready were made of
+        self._news = False  # set by the executor's thread
 
     def set_model(self, model: nofacet.Model | None) -> None:
         self._model = model
@@ -47,7 +48,9 @@ class LineOverlays:
         if task is None:
             return None
         if name not in self._begun or self._begun[name][0] != key:
-            self._begun[name] = key, self._executor.submit(task)
+            future = self._executor.submit(task)
+            future.add_done_callback(self._note)
+            self._begun[name] = key, future
         future = self._begun[name][1]
         if future.done() and self._drawn.get(name) is not future:
             if name in self._ready:
@@ -58,8 +61,13 @@ class LineOverlays:
 
     @property
     def busy(self) -> bool:
-        """Whether lines are being made."""
-        return any(not future.done() for _, future in self._begun.values())
+        """Whether lines are being made, or poll() has not told yet that they are."""
+        return self._news or any(not future.done() for _, future in self._begun.values())
+
+    def poll(self) -> bool:
+        """Whether lines have been made since the last call."""
+        news, self._news = self._news, False
+        return news
 
     def wait(self) -> None:
         """Until no lines are being made."""
@@ -82,6 +90,9 @@ class LineOverlays:
             return (lambda: lines.control_nets(model)), None
         tolerance = 2.0 ** floor(log2(FLATNESS * pixel))  # zooming by less than two makes no new lines
         return (lambda: lines.patch_borders(model, tolerance)), tolerance
+
+    def _note(self, _: Future[Segments]) -> None:
+        self._news = True
 
     def _forget(self, *names: str) -> None:
         for name in names:

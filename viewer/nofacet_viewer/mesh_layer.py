@@ -16,26 +16,11 @@ from numpy.typing import NDArray
 import nofacet
 
 from .clipping import clipped
+from .drawing_order import DrawingOrder
+from .palette import Palette
 from .programs import bind, program, set_light, set_uniforms
 from .projection import Projection, project
 from .targets import SurfaceTarget
-
-COLOR_ROW = 1024  # faces a row of the texture of their colours
-
-
-class FaceColors:
-    """A texture of the faces' colours, linear RGBA."""
-
-    def __init__(self, context: moderngl.Context, colors: NDArray[np.float32]) -> None:
-        rows = max(1, -(-len(colors) // COLOR_ROW))
-        padded = np.zeros((rows * COLOR_ROW, 4), np.float32)
-        padded[: len(colors)] = colors
-        self.texture = context.texture((COLOR_ROW, rows), 4, padded.tobytes(), dtype="f4")
-        self.texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        self.alpha = padded[:, 3]
-
-    def release(self) -> None:
-        self.texture.release()
 
 
 class MeshLayer:
@@ -52,65 +37,60 @@ class MeshLayer:
         local = (mesh.points - self.center).astype(np.float32)
         vertices = np.zeros(len(local), [("position", "f4", 3), ("normal", "f4", 3), ("face", "i4")])
         vertices["position"], vertices["normal"], vertices["face"] = local, mesh.normals, face
-        self._middles = local[mesh.triangles].mean(axis=1)
         self._vertices = context.buffer(vertices.tobytes() or bytes(28))
-        self._indices = context.buffer(reserve=max(12, 12 * len(mesh.triangles)), dynamic=True)
+        self._order = DrawingOrder(context, mesh)
         self._arrays: dict[str, moderngl.VertexArray] = {}
 
     def projection(self, camera: nofacet.Camera, size: tuple[int, int]) -> Projection:
         """The camera's matrices for this mesh's own coordinates."""
         return project(camera, size, self.center, self.bounds)
 
-    def draw(
-        self,
-        projection: Projection,
-        colors: FaceColors,
-        marks: FaceColors,
-        shading: str,
-        ramp: moderngl.Texture,
-        ramp_end: float,
-    ) -> None:
+    def draw(self, projection: Projection, palette: Palette, shading: str) -> None:
         """Draw into the framebuffer in use: linear RGBA, alpha premultiplied.
 
-        marks: what is mixed into the faces' pictures, and how much of it.
-        shading: "lit" shows the faces' colours, "zebra" and "curvature" show all faces opaque. ramp, ramp_end: the
-        colours of curvatures from -ramp_end to ramp_end.
+        shading: "lit" shows the faces' colours, "zebra" and "curvature" show all faces opaque.
         """
-        opaque, transparent = self._ordered(projection, colors, shading == "lit")
-        self._indices.write(self.mesh.triangles[np.concatenate([opaque, transparent])].tobytes() or bytes(12))
+        order = self._order
+        order.part(palette.faces.alpha, blends=shading == "lit")
+        order.sort(projection.eye_from_local[2, :3])
         array = self._array("mesh.frag", shading)
         self._prepare(array.program, projection)
         set_light(array.program, projection)
-        set_uniforms(array.program, ramp_end=ramp_end)
-        bind(array.program, face_colors=colors.texture, face_marks=marks.texture, ramp=ramp)
+        set_uniforms(array.program, ramp_end=palette.end)
+        bind(
+            array.program,
+            face_colors=palette.faces.texture,
+            face_marks=palette.marks.texture,
+            ramp=palette.ramp,
+        )
         self._context.enable_only(moderngl.DEPTH_TEST)
         with clipped(self._context, array.program, self.sections, self.center):
-            array.render(vertices=3 * len(opaque))
-            if len(transparent):
+            array.render(vertices=3 * order.opaque)
+            if order.transparent:
                 self._context.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
                 self._context.blend_equation = moderngl.FUNC_ADD
                 self._context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
                 self._context.fbo.depth_mask = False
-                array.render(vertices=3 * len(transparent), first=3 * len(opaque))
+                array.render(vertices=3 * order.transparent, first=3 * order.opaque)
                 self._context.fbo.depth_mask = True
 
-    def draw_surface(self, projection: Projection, colors: FaceColors, target: SurfaceTarget) -> None:
+    def draw_surface(self, projection: Projection, palette: Palette, target: SurfaceTarget) -> None:
         """Draw depth and face of the nearest triangle at every pixel's centre."""
-        shown = self.mesh.triangles[colors.alpha[self.mesh.face] > 0]
-        self._indices.write(shown.tobytes() or bytes(12))
+        order = self._order
+        order.part(palette.faces.alpha)
         target.clear()
         array = self._array("surface.frag")
         self._prepare(array.program, projection)
         self._context.enable_only(moderngl.DEPTH_TEST)
         with clipped(self._context, array.program, self.sections, self.center):
-            array.render(vertices=3 * len(shown))
+            array.render(vertices=3 * (order.opaque + order.transparent))
 
     def release(self) -> None:
         for array in self._arrays.values():
             array.program.release()
             array.release()
         self._vertices.release()
-        self._indices.release()
+        self._order.release()
 
     def _array(self, fragment: str, shading: str | None = None) -> moderngl.VertexArray:
         """The mesh with the program that draws it so."""
@@ -118,21 +98,11 @@ class MeshLayer:
         if key not in self._arrays:
             vertices = [(self._vertices, "3f 3f 1i", "position", "normal", "face")]
             target = program(self._context, "mesh.vert", fragment, shading)
-            self._arrays[key] = self._context.vertex_array(target, vertices, self._indices, skip_errors=True)
+            self._arrays[key] = self._context.vertex_array(target, vertices, self._order.indices, skip_errors=True)
         return self._arrays[key]
 
     def _prepare(self, target: moderngl.Program, projection: Projection) -> None:
         set_uniforms(target, clip_from_local=projection.clip_from_local, eye_from_local=projection.eye_from_local)
-
-    def _ordered(
-        self, projection: Projection, colors: FaceColors, transparency: bool
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Triangles of opaque faces, and those of transparent ones from back to front; hidden faces have alpha 0."""
-        alpha = colors.alpha[self.mesh.face]
-        opaque = alpha >= 1 if transparency else alpha > 0
-        chosen = np.flatnonzero(~opaque & (alpha > 0))
-        depth = self._middles[chosen] @ projection.eye_from_local[2, :3].astype(np.float32)
-        return np.flatnonzero(opaque), chosen[np.argsort(-depth, kind="stable")]
 
 
 def _bounds(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -14,8 +14,10 @@ from .compositor import Compositor
 from .difference import OutlineDifference
 from .line_overlays import LineOverlays
 from .overlays import ANALYSES, EXACT_LINES, OVERLAYS, analysis_of, face_colors, scale_of
+from .palette import Palette
 from .panes import Pane, pane_resolution, panes
-from .sides import DrawnSide, ExactSide, Palette, SidePicture
+from .sides import DrawnSide, ExactSide, SidePicture
+from .srgb import encoded
 from .state import View, ViewState
 
 __all__ = ["OVERLAYS", "Painter"]
@@ -40,7 +42,7 @@ class Painter:
         self._drawn = DrawnSide(context, self._lines)
         self._compositor = Compositor(context)
         self._model: nofacet.Model | None = None
-        self._size = 1.0
+        self._extent: float | None = None  # of the model, once it is known
         self._selected = np.zeros(0, bool)
         self._palette: Palette | None = None
         self._palette_of: str | None = None
@@ -53,8 +55,8 @@ class Painter:
         same_shape = model is not None and self._model is not None and model.groups is self._model.groups
         if not same_shape:
             self._lines.set_model(model)
+            self._extent = None
         self._model = model
-        self._size = 1.0 if model is None else _diagonal(model)
         self._forget_palette()
 
     def set_selected(self, selected: NDArray[np.bool_]) -> None:
@@ -68,10 +70,16 @@ class Painter:
         self._lines.set_mesh(mesh)
         self.set_difference(None)
 
-    def set_exact(self, frame: nofacet.Frame | None, curvature: NDArray[np.float32] | None = None) -> None:
+    def set_exact(
+        self,
+        frame: nofacet.Frame | None,
+        curvature: NDArray[np.float32] | None = None,
+        pixels: NDArray[np.uint8] | None = None,
+    ) -> None:
         """The exact side's frame, of any resolution; it is scaled to its pane. curvature: what
-        overlays.frame_curvature gives for it, for the overlay of that name."""
-        self._exact.set_frame(frame, curvature)
+        overlays.frame_curvature gives for it, for the overlay of that name. pixels: what its srgb8() gives before the
+        background; made here where it is missing, which takes milliseconds."""
+        self._exact.set_frame(frame, curvature, pixels)
 
     def set_difference(self, difference: OutlineDifference | None) -> None:
         """The outline error of the present camera, model and mesh, for the view of that name."""
@@ -103,16 +111,24 @@ class Painter:
         if state.view is View.DIFFERENCE:
             error = self._difference.error if self._difference else None
             return outline_scale(error.largest if error else 0.0)
-        return None if self._model is None else scale_of(state.overlays, self._model, self._size)
+        return self._scale(state.overlays)
 
     @property
     def busy(self) -> bool:
-        """Whether painting the same again will show more: lines that are still being made, smoother triangles."""
+        """Whether refine() has something to do, now or soon."""
         return self._lines.busy or (self._shows_drawn and self._drawn.busy)
+
+    def refine(self) -> bool:
+        """At rest: go on with what makes the picture better that was painted last, for some milliseconds; whether it
+        is to be painted again."""
+        refined = self._shows_drawn and self._drawn.refine()
+        return self._lines.poll() or refined
 
     def wait(self) -> None:
         """Until a further paint() shows all that the one before asked for."""
         self._lines.wait()
+        if self._shows_drawn:
+            self._drawn.refine(seconds=float("inf"))
 
     def drawn_surface(self, camera: nofacet.Camera, size: Size) -> tuple[NDArray[np.float32], NDArray[np.int32]] | None:
         """Depth and face (height, width) of OpenCascade's triangles at the pixel centres, as a Frame has them."""
@@ -131,14 +147,14 @@ class Painter:
         framebuffer.use()
         framebuffer.viewport = 0, 0, *size
         framebuffer.scissor = 0, 0, *size
-        framebuffer.clear(*_srgb(state.background), 1.0)
+        framebuffer.clear(*encoded(state.background), 1.0)
         if state.view is View.DIFFERENCE:
             self._paint_difference(state, camera, shown[0], pictures[0], framebuffer)
         else:
             for pane, picture in zip(shown, pictures, strict=True):
                 if picture:
                     framebuffer.scissor = _shown_part(state, pane)
-                    self._compositor.draw(picture, pane, state.background)
+                    self._compositor.draw(picture, pane)
             self._divide(state, framebuffer, size)
         framebuffer.viewport = 0, 0, *size
         framebuffer.scissor = None
@@ -155,10 +171,11 @@ class Painter:
             return None
         palette = self._colors(state.overlays)
         if pane.side is View.EXACT:
-            return self._exact.picture(pane.size, state.overlays, palette, analysis_of(state.overlays) is not None)
+            recolor = analysis_of(state.overlays) is not None
+            return self._exact.picture(pane.size, state.overlays, palette, state.background, recolor)
         if state.view is View.DIFFERENCE:
             return None  # only its faces are needed
-        return self._drawn.picture(camera, pane.size, state.overlays, palette)
+        return self._drawn.picture(camera, pane.size, state.overlays, palette, state.background)
 
     def _paint_difference(
         self,
@@ -176,7 +193,7 @@ class Painter:
         if fits and self._drawn.layer:
             drawn = self._drawn.surface(camera, pane.size, self._colors(state.overlays))
         error = self._error if fits else None
-        face = self._exact.layer.face if self._exact.layer else None
+        face = self._exact.layer.values("face") if self._exact.layer else None
         framebuffer.use()
         self._compositor.draw_difference(exact, face, drawn, error, scale, pane, state.background)
 
@@ -199,17 +216,25 @@ class Painter:
         analysis = analysis_of(overlays)
         if self._palette is None or self._palette_of != analysis:
             self._forget_palette()
-            scale = scale_of(overlays, self._model, self._size)
+            scale = self._scale(overlays)
             selected = np.zeros(self._model.face_count, bool)
             selected[: len(self._selected)] = self._selected[: len(selected)]
             self._palette = Palette(self._context, face_colors(overlays, self._model), scale, selected)
             self._palette_of = analysis
         return self._palette
 
+    def _scale(self, overlays: frozenset[str]) -> ColorScale | None:
+        if self._model is None or analysis_of(overlays) is None:
+            return None
+        if self._extent is None:
+            self._extent = _diagonal(self._model)
+        return scale_of(overlays, self._model, self._extent)
+
     def _forget_palette(self) -> None:
         if self._palette:
             self._palette.release()
         self._palette = None
+        self._drawn.forget()
 
 
 def _shown_part(state: ViewState, pane: Pane) -> tuple[int, int, int, int]:
@@ -234,7 +259,3 @@ def _diagonal(model: nofacet.Model) -> float:
     except nofacet.InputError:
         return 1.0
     return float(np.linalg.norm(high - low)) or 1.0
-
-
-def _srgb(linear: tuple[float, float, float]) -> tuple[float, ...]:
-    return tuple(12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055 for c in linear)

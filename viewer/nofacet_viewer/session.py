@@ -156,6 +156,7 @@ class Session:
         )
         if loaded.measured:  # looks the same: nothing has to be drawn again
             self.described = self.appearance.applied()
+            self.inspection.learn(self.described)
             return
         if self.bounds and not same_file:
             self.planes = SectionPlanes()

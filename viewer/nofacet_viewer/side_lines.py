@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import moderngl
 import numpy as np
 
@@ -25,18 +27,22 @@ class SideLines:
         self._overlays = overlays
         self._copy = program(context, "fullscreen.vert", "copy.frag")
         self._copied = context.vertex_array(self._copy, [])
-        self.none = context.texture((1, 1), 4, np.zeros(4, np.float32), dtype="f4")
         self._targets: tuple[ColorTarget, ColorTarget] | None = None
+        self._drawn_key: Any = None  # what the lines that are drawn depend on
 
     def draw(
         self, names: list[str], camera: nofacet.Camera, size: Size, surface: DepthPicture, off_surface: float
     ) -> moderngl.Texture:
         """Linear RGBA with premultiplied alpha, row 0 at the bottom. off_surface: how far what hides the lines may be
         off the surfaces that they lie on, model units."""
+        layers = {name: self._overlays.layer(name, _smallest_pixel(camera, size)) for name in names}
         one, whole = self._sized(size)
+        key = layers, camera, size, surface, off_surface
+        if key == self._drawn_key:
+            return whole.texture
+        self._drawn_key = key
         whole.begin()
-        for name in names:
-            layer = self._overlays.layer(name, _smallest_pixel(camera, size))
+        for name, layer in layers.items():
             if layer is None or not layer.count:
                 continue
             projection = project(camera, size, layer.center, layer.bounds)
@@ -51,7 +57,7 @@ class SideLines:
         return whole.texture
 
     def release(self) -> None:
-        for held in (*(self._targets or ()), self._copied, self._copy, self.none):
+        for held in (*(self._targets or ()), self._copied, self._copy):
             held.release()
 
     def _sized(self, size: Size) -> tuple[ColorTarget, ColorTarget]:

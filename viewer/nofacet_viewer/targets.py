@@ -10,6 +10,15 @@ SAMPLES = 4  # a pixel of the tessellated side, where the card can do it
 BACKGROUND_DEPTH = 1e30  # stands for infinity, which some cards do not clear to
 
 
+def picture_texture(
+    context: moderngl.Context, size: tuple[int, int], pixels: NDArray[np.uint8] | None = None
+) -> moderngl.Texture:
+    """A picture as it will be seen: opaque 8-bit sRGB. pixels: (height, width, 4), row 0 is the texture's."""
+    texture = context.texture(size, 4, pixels)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
 class ColorTarget:
     """A linear RGBA picture, alpha premultiplied, with a depth buffer; multisampled where the card can do that."""
 
@@ -28,10 +37,11 @@ class ColorTarget:
             else self._resolved
         )
 
-    def begin(self) -> None:
-        """Clear it and draw into it from now on."""
+    def begin(self, viewport: tuple[int, int, int, int] | None = None) -> None:
+        """Clear it and draw into it from now on; viewport: all of it, if not given."""
         self._drawn.use()
         self._drawn.clear()
+        self._drawn.viewport = viewport or (0, 0, *self.size)
 
     def use(self) -> None:
         """Draw into it from now on, over what is there."""

@@ -19,7 +19,8 @@ from .keymap import KEYS
 
 OpenGL.ERROR_CHECKING = OpenGL.ERROR_LOGGING = False  # a question to the driver after each of the back end's calls
 from imgui_bundle.python_backends.glfw_backend import GlfwRenderer  # noqa: E402
-from OpenGL import GL as gl  # noqa: E402
+
+Paint = Callable[[moderngl.Framebuffer], None]  # draws into its lower left corner, as large as the window
 
 OPENGL_VERSION = (3, 3)
 BUTTONS = {
@@ -116,19 +117,19 @@ class Window:
         """End wait(); from any thread."""
         glfw.post_empty_event()
 
-    def draw(self, picture: moderngl.Framebuffer, panels: Callable[[], None]) -> None:
-        """Show a picture, as large as the window, and panels before it. Still to be shown: present()."""
+    def draw(self, paint: Paint, panels: Callable[[], None]) -> None:
+        """Draw a picture, as large as the window, and panels before it. Still to be shown: present()."""
         self._gui.process_inputs()
         imgui.new_frame()
         panels()
         imgui.render()
-        self._draw_into(self.context.screen, picture)
+        self._draw_into(self.context.screen, paint)
 
-    def pixels(self, picture: moderngl.Framebuffer) -> NDArray[np.uint8]:
+    def pixels(self, paint: Paint) -> NDArray[np.uint8]:
         """What draw() has drawn of the picture and panels: (height, width, 3), sRGB, row 0 at the top."""
         width, height = self.size
         target = self.context.simple_framebuffer((width, height), 3)
-        self._draw_into(target, picture)
+        self._draw_into(target, paint)
         data = target.read(components=3, alignment=1)
         target.release()
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1].copy()
@@ -144,12 +145,10 @@ class Window:
         glfw.destroy_window(self._handle)
         glfw.terminate()
 
-    def _draw_into(self, target: moderngl.Framebuffer, picture: moderngl.Framebuffer) -> None:
-        # moderngl's own copy takes the screen's size from when the window was opened.
-        area = (0, 0, *self.size)
-        gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, picture.glo)
-        gl.glBindFramebuffer(gl.GL_DRAW_FRAMEBUFFER, target.glo)
-        gl.glBlitFramebuffer(*area, *area, gl.GL_COLOR_BUFFER_BIT, gl.GL_NEAREST)
+    def _draw_into(self, target: moderngl.Framebuffer, paint: Paint) -> None:
+        # The screen's own size is what it was when the window was opened.
+        target.viewport = target.scissor = 0, 0, *self.size
+        paint(target)
         target.use()
         self._gui.render(imgui.get_draw_data())
 

@@ -18,8 +18,10 @@ LABEL_WIDTH = 84.0
 
 
 def show_inspector(session: Session, keymap: Keymap) -> None:
-    """The facts of the surface under the cursor, and below them those of the one that was clicked."""
+    """What is measured, the facts of the surface under the cursor, and those of the one that was clicked."""
     inspection = session.inspection
+    _show_measuring(inspection, keymap)
+    imgui.separator()
     if inspection.hover:
         _show_pick(inspection.hover)
     else:
@@ -34,12 +36,10 @@ def show_inspector(session: Session, keymap: Keymap) -> None:
             perform(session, "deselect")
     if inspection.picked:
         _show_pick(inspection.picked)
-    _show_measuring(inspection, keymap)
 
 
 def _show_measuring(inspection: Inspection, keymap: Keymap) -> None:
     keys = keymap.chords["measure"]
-    imgui.separator()
     if imgui.checkbox(f"measure ({keys[0]})" if keys else "measure", inspection.measuring)[0]:
         inspection.toggle_measuring()
     if inspection.measurement:

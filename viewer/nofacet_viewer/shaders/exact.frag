@@ -1,6 +1,7 @@
 #version 330 core
 // The exact frame in other colours, from its values at the pixel centres. Row 0 of its textures is the picture's top;
-// what is written keeps that.
+// what is written, before the background and in sRGB, keeps that.
+#include "srgb.glsl"
 #include "light.glsl"
 #include "zebra.glsl"
 #include "faces.glsl"
@@ -8,14 +9,15 @@ const int LIT = 0, ZEBRA = 1, CURVATURE = 2;
 uniform bool perspective;
 uniform float slope;              // model units at unit depth (perspective) a pixel
 uniform mat3 eye_from_world;
-uniform sampler2D frame_color;    // as the frame has it
+uniform sampler2D frame_color;    // as the frame has it, before the background and in sRGB
 uniform isampler2D frame_face;    // -1 on background, less on the caps of section planes
 uniform sampler2D frame_normal;   // unit, world, towards the eye
 uniform sampler2D frame_coverage;
 uniform sampler2D frame_curvature;
 uniform sampler2D ramp;
 uniform float ramp_end;
-out vec4 color;  // linear, alpha premultiplied
+uniform vec3 background;          // linear
+out vec4 color;
 
 vec3 towards_eye_at(ivec2 pixel, ivec2 size) {
     vec2 from_middle = (vec2(pixel) + 0.5 - 0.5 * vec2(size)) * vec2(slope, -slope);
@@ -57,13 +59,10 @@ void main() {
     ivec2 size = textureSize(frame_face, 0);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float coverage = texelFetch(frame_coverage, pixel, 0).r;
-    vec4 drawn = texelFetch(frame_color, pixel, 0);
+    color = texelFetch(frame_color, pixel, 0);
     pixel = nearest_covered(pixel, size);
     int face = texelFetch(frame_face, pixel, 0).r;
-    if (face < 0 || coverage == 0.0) {
-        color = face < -1 ? drawn : vec4(0.0);
-        return;
-    }
+    if (face < 0 || coverage == 0.0) return;  // a cap, or the background
     vec3 normal = eye_from_world * texelFetch(frame_normal, pixel, 0).xyz, towards_eye = towards_eye_at(pixel, size);
     vec3 rgb;
     if (SHADING == ZEBRA) {
@@ -77,5 +76,5 @@ void main() {
         }
         rgb = lit(base, normal, towards_eye);
     }
-    color = vec4(rgb * coverage, coverage);
+    color = vec4(srgb(mix(background, rgb, coverage)), 1.0);
 }
