@@ -43,9 +43,8 @@ def draw(model: nofacet.Model, camera: nofacet.Camera, resolution: tuple[int, in
 def draw_section(name: str) -> None:
     size = 960, 480
     model = nofacet.load(ROOT / "cad_models" / "flange.step")
-    camera = nofacet.Camera.fit(model, (-0.9, 1, -0.6), resolution=size, zoom=1.15)
-    plane = nofacet.Section((0, 0, 0), (0, -1, 0))
-    frame = nofacet.render(model, camera, size, samples=16, edges=True, sections=[plane])
+    camera = nofacet.Camera.fit(model, (-0.6, 1, -0.7), resolution=size)
+    frame = nofacet.render(model, camera, size, samples=16, sections=[nofacet.Section((0, 0, 0), (0, -1, 0))])
     frame.over(WHITE).save(ROOT / "docs" / "images" / f"{name}.png")
 
 

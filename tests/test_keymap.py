@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("nofacet_viewer")
-from nofacet_viewer.keymap import ACTIONS, Keymap, KeymapError, default_path, normalized
+from nofacet_viewer.keymap import ACTIONS, MOUSE, Keymap, KeymapError, default_path, normalized
+
+DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "viewer.md"
 
 
 def written(folder: Path, content: object) -> Path:
@@ -85,3 +88,17 @@ def test_the_file_is_in_the_configuration_folder(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.setenv("APPDATA", str(tmp_path))
     assert default_path() == tmp_path / "nofacet" / "keymap.json"
+
+
+def test_the_documented_keys_are_the_keys() -> None:
+    rows = [f"| {' or '.join(action.keys)} | {action.text} | `{action.name}` |" for action in ACTIONS]
+    rows += [f"| {mouse} | {text} | |" for mouse, text in MOUSE]
+    table = "\n".join(["| key or mouse | what it does | name |", "| --- | --- | --- |", *rows, ""])
+    assert table in DOCUMENT.read_text(encoding="utf-8"), f"docs/viewer.md should have\n{table}"
+
+
+def test_the_documented_keymap_file_can_be_read(tmp_path: Path) -> None:
+    example = re.search(r'^    (\{"front".*\})$', DOCUMENT.read_text(encoding="utf-8"), re.MULTILINE)
+    assert example
+    chords = Keymap.load(written(tmp_path, example[1])).chords
+    assert (chords["front"], chords["fit"], chords["blink"]) == (("F",), ("Enter", "Ctrl+0"), ())
