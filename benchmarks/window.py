@@ -2,46 +2,88 @@
 
     python benchmarks/window.py [--resolution=1280,720] [--seconds=6] [--view=exact] [MODEL...]
 
-Needs a display (without a screen: Xvfb). For every model it opens a window, reads the file, drags the mouse to orbit
-for some seconds and lets it rest. It prints, in milliseconds:
+Needs a display (without a screen: Xvfb). For every model it opens a window, reads the file (the cache is not used),
+waits until nothing goes on in the background, drags the mouse to orbit for some seconds and lets it rest. It prints,
+in milliseconds where nothing else is said:
 
-stall while reading, orbiting: the longest time in which the window handled no input.
+stall while reading: the longest time in which no input was handled, from opening the window until the file is read,
+    shown in full quality, meshed and measured. While orbiting: the same for the drag and the refinement after it.
 frames a second: of exact pictures that the window showed while the camera orbited; scale: of their resolution.
-latency: from an input to the first picture presented that shows its camera; median and largest.
+frame: time that drawing one of them took, median.
+latency: from an input to the first picture presented that shows its camera or a later one; median and largest.
 full quality: from the last input until the picture with 16 samples is presented.
+
+The first quarter of the orbit, in which the resolution settles, counts for the stalls only.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+import os
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from statistics import fmean, median
 
+import nofacet
 from nofacet_viewer.app import App, Options
 from nofacet_viewer.controls import Button
+from nofacet_viewer.exact import Exact
 from nofacet_viewer.state import View
 
 FLANGE = str(Path(__file__).resolve().parents[1] / "cad_models" / "flange.step")
 NONE: frozenset[str] = frozenset()
 INPUT_SECONDS = 1 / 60  # between mouse events
-TIMEOUT = 300.0
+TURN_SECONDS = 3.0  # in which the mouse goes round once
+QUIET_SECONDS = 1.0  # without anything in the background
+TIMEOUT = 600.0
+
+
+@dataclass
+class Orbit:
+    """What was asked for and shown while the camera moved; times of time.perf_counter()."""
+
+    start: float
+    seconds: float
+    unanswered: list[tuple[float, nofacet.Camera]] = field(default_factory=list)  # inputs
+    shown: list[tuple[float, Exact]] = field(default_factory=list)
+    latencies: list[tuple[float, float]] = field(default_factory=list)  # when the input came, and how long it took
+
+    def show(self, exact: Exact, now: float) -> None:
+        """A picture is presented: it answers the input with its camera and all before."""
+        self.shown.append((now, exact))
+        answered = [k for k, (_, camera) in enumerate(self.unanswered) if camera is exact.request.camera]
+        if answered:
+            self.latencies += [(at, now - at) for at, _ in self.unanswered[: answered[-1] + 1]]
+            del self.unanswered[: answered[-1] + 1]
+
+    def figures(self) -> dict[str, float]:
+        settled = self.start + self.seconds / 4
+        shown = [(at, exact) for at, exact in self.shown if at > settled]
+        latencies = [took for at, took in self.latencies if at > settled]
+        return {
+            "frames a second": (len(shown) - 1) / (shown[-1][0] - shown[0][0]),
+            "scale": fmean(exact.scale for _, exact in shown),
+            "frame": 1e3 * median(exact.seconds for _, exact in shown),
+            "latency": 1e3 * median(latencies),
+            "largest latency": 1e3 * max(latencies),
+        }
 
 
 class Run:
-    """One window and how long its steps took."""
+    """One window, and the longest time in which it has handled no input."""
 
     def __init__(self, model: str, view: View, resolution: tuple[int, int]) -> None:
         self.app = App(Options([model], view, size=resolution))
         self.longest = 0.0
+        self._handled = time.perf_counter()
+        self._wait = self.app.window.wait
+        self.app.window.wait = self._timed_wait  # type: ignore[method-assign]
 
     def step(self) -> bool:
         """One turn of the window's loop; whether a picture was presented."""
-        start = time.perf_counter()
-        presented = self.app.step(0.002)
-        self.longest = max(self.longest, time.perf_counter() - start)
-        return presented
+        return self.app.step(0.002)
 
     def until_full(self) -> None:
         session, end = self.app.session, time.monotonic() + TIMEOUT
@@ -56,60 +98,53 @@ class Run:
         """Until nothing goes on in the background any more."""
         session, end = self.app.session, time.monotonic() + TIMEOUT
         quiet = time.monotonic()
-        while time.monotonic() < end and time.monotonic() - quiet < 1.0:
+        while time.monotonic() - quiet < QUIET_SECONDS:
             self.step()
             if session.loader.path or session.tasks.running or session.tessellated.busy or self.app.painter.busy:
                 quiet = time.monotonic()
+            if time.monotonic() > end:
+                raise TimeoutError("work in the background does not end")
 
-    def orbit(self, seconds: float) -> dict[str, Any]:
-        """Drag the mouse in a circle."""
+    def orbit(self, seconds: float) -> dict[str, float]:
+        """Drag the mouse in a circle, then let it rest until the picture is in full quality."""
         app, session = self.app, self.app.session
         width, height = session.size
         app.on_press(Button.LEFT, (width * 0.3, height * 0.5), NONE)
-        start = time.perf_counter()
-        inputs: list[tuple[float, Any]] = []
-        frames, latencies, scales = [], [], []
-        shown = None
-        next_input = start
-        while (now := time.perf_counter()) - start < seconds:
+        orbit = Orbit(time.perf_counter(), seconds)
+        shown, next_input = session.exact, orbit.start
+        while (now := time.perf_counter()) - orbit.start < seconds:
             if now >= next_input:
-                angle = 2 * math.pi * (now - start) / 3
+                angle = 2 * math.pi * (now - orbit.start) / TURN_SECONDS
                 app.on_move((width * (0.3 + 0.1 * math.sin(angle)), height * (0.5 + 0.1 * (1 - math.cos(angle)))))
-                inputs.append((now, session.camera))
+                assert session.camera
+                orbit.unanswered.append((now, session.camera))
                 next_input = now + INPUT_SECONDS
-            presented = self.step()
-            exact = session.exact
-            if not presented or exact is None or exact is shown:
-                continue
-            shown, now = exact, time.perf_counter()
-            frames.append(now)
-            scales.append(exact.scale)
-            sent = next((at for at, camera in inputs if camera is exact.request.camera), None)
-            if sent:
-                latencies.append(now - sent)
+            if self.step() and session.exact and session.exact is not shown:
+                shown = session.exact
+                orbit.show(shown, time.perf_counter())
         app.on_release(Button.LEFT, (width * 0.3, height * 0.5))
         rest = time.perf_counter()
         self.until_full()
-        warm = sorted(latencies[len(latencies) // 4 :])
-        late = [at for at in frames if at > start + seconds / 4]
-        return {
-            "frames a second": (len(late) - 1) / (late[-1] - late[0]),
-            "scale": sum(scales[len(scales) // 4 :]) / len(scales[len(scales) // 4 :]),
-            "latency": 1e3 * warm[len(warm) // 2],
-            "largest latency": 1e3 * warm[-1],
-            "full quality": 1e3 * (time.perf_counter() - rest),
-        }
+        return orbit.figures() | {"full quality": 1e3 * (time.perf_counter() - rest)}
+
+    def take_longest(self) -> float:
+        """The longest time without input since the last call, ms."""
+        longest, self.longest = 1e3 * self.longest, 0.0
+        return longest
+
+    def _timed_wait(self, seconds: float) -> None:
+        self.longest = max(self.longest, time.perf_counter() - self._handled)
+        self._wait(seconds)
+        self._handled = time.perf_counter()
 
 
-def measure(model: str, view: View, resolution: tuple[int, int], seconds: float) -> dict[str, Any]:
+def measure(model: str, view: View, resolution: tuple[int, int], seconds: float) -> dict[str, float]:
     run = Run(model, view, resolution)
-    run.step()
-    run.longest = 0.0  # the window's first picture compiles shaders
     run.until_full()
-    result = {"stall while reading": 1e3 * run.longest}
     run.settle()
-    run.longest = 0.0
-    result |= run.orbit(seconds) | {"stall while orbiting": 1e3 * run.longest}
+    result = {"stall while reading": run.take_longest()} | run.orbit(seconds)
+    run.settle()
+    result["stall while orbiting"] = run.take_longest()
     run.app.close()
     return result
 
@@ -121,6 +156,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=6.0)
     parser.add_argument("--view", default="exact", choices=[view.value for view in View])
     options = parser.parse_args()
+    os.environ["NOFACET_CACHE"] = "off"
     width, height = (int(side) for side in options.resolution.split(","))
     for model in options.models:
         result = measure(model, View(options.view), (width, height), options.seconds)

@@ -19,7 +19,7 @@ from nofacet_viewer.actions import perform
 from nofacet_viewer.appearance import Appearance
 from nofacet_viewer.assembly_rows import AssemblyRows
 from nofacet_viewer.controls import Button
-from nofacet_viewer.scale import AdaptiveScale, scaled
+from nofacet_viewer.scale import SMALLEST, AdaptiveScale, scaled
 from nofacet_viewer.session import Session
 from nofacet_viewer.state import View, ViewState
 from nofacet_viewer.tasks import Tasks
@@ -262,7 +262,7 @@ def test_the_scale_settles_within_the_budget(fixed: float, area: float) -> None:
         seconds = fixed + area * scale.value**2
         times.append(seconds)
         scale.update(seconds, scale.value)
-    assert max(times[-10:]) <= 0.028 or scale.value == 1 / 8
+    assert max(times[-10:]) <= 0.028 or scale.value == SMALLEST
     assert len(set(times[-10:])) == 1  # at rest
     best = min(1.0, ((0.028 - fixed) / area) ** 0.5)
     assert scale.value >= min(best, 1.0) - 0.1

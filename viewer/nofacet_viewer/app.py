@@ -20,6 +20,7 @@ from .controls import Button, Point
 from .exact import Exact, ExactRenderer, Request
 from .keymap import Keymap, KeymapError
 from .loading import Fit, fit_camera
+from .meshing import MeshResult
 from .painter import Painter
 from .panels.all import Panels
 from .pictures import picture_path, save_exact, save_window
@@ -58,7 +59,7 @@ class Painted:
     """What the painter has been given, and what the picture shows."""
 
     model: nofacet.Model | None = None
-    mesh: Any = None
+    meshed: MeshResult | None = None
     difference: Any = None
     exact: Exact | None = None
     selected: Any = None
@@ -96,6 +97,8 @@ class App:
         self._frames_due = SETTLING_FRAMES
         self._screenshot = False
         self._quit = False
+        self._draw()  # the window is to be seen before anything that takes time
+        self.painter.warm(self.window.context.screen)
         self.window.attach(self)
 
     def run(self) -> None:
@@ -124,7 +127,12 @@ class App:
         """
         self.window.wait(self._patience() if wait is None else wait)
         self._update()
-        if not (self._picture_changed() or self._frames_due > 0) or 0 in self.session.size:
+        if 0 in self.session.size:
+            return False
+        if self._picture_changed():
+            self._prepare()
+            self.window.wait(0.0)  # input need not wait for both
+        elif not self._frames_due:
             return False
         self._frames_due = max(0, self._frames_due - 1)
         self._draw()
@@ -246,6 +254,11 @@ class App:
             return True
         return given or (now - self._moved >= REST_SECONDS and self.painter.refine())
 
+    def _prepare(self) -> None:
+        painted = self._painted
+        if painted.camera:
+            self.painter.prepare(painted.state, painted.camera, painted.size)
+
     def _paint(self, framebuffer: Any) -> None:
         painted = self._painted
         if painted.camera:
@@ -259,10 +272,10 @@ class App:
         if painted.model is not session.described:
             painted.model = session.described
             self.painter.set_model(session.described)
-        mesh = session.tessellated.result.mesh if session.tessellated.result else None
-        if painted.mesh is not mesh:
-            painted.mesh, painted.difference = mesh, None
-            self.painter.set_mesh(mesh)
+        meshed = session.tessellated.result
+        if painted.meshed is not meshed:
+            painted.meshed, painted.difference = meshed, None
+            self.painter.set_mesh(*(meshed.mesh, meshed.arrays) if meshed else (None,))
         difference = session.difference
         if painted.difference is not difference:
             painted.difference = difference

@@ -78,7 +78,7 @@ class Compositor:
         ramp.release()
 
     def release(self) -> None:
-        for held in (*self._arrays.values(), *self._arrays, self._no_face, self._no_error, self._nothing):
+        for held in (*self._arrays.values(), self._no_face, self._no_error, self._nothing):
             held.release()
 
     def _fill(self, target: moderngl.Program, pane: Pane) -> None:

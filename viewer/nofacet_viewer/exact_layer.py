@@ -19,7 +19,7 @@ _NEEDED = {"zebra": (), "lit": (), "curvature": ("curvature",)}  # beside face, 
 
 def recoloring(context: moderngl.Context, shading: str) -> moderngl.VertexArray:
     """What draws frames in other colours, "lit", with "zebra" stripes or "curvature"; with its program."""
-    return context.vertex_array(program(context, "fullscreen.vert", "exact.frag", shading), [])
+    return context.vertex_array(program(context, "fullscreen.vert", "exact.frag", SHADING=shading.upper()), [])
 
 
 class ExactLayer:

@@ -88,5 +88,5 @@ class LineLayer:
         self._context.blend_equation = moderngl.FUNC_ADD
 
     def release(self) -> None:
-        for held in (self._array, self._buffer, self._program):
+        for held in (self._array, self._buffer):
             held.release()

@@ -8,15 +8,14 @@ long.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import moderngl
-import numpy as np
-from numpy.typing import NDArray
-
 import nofacet
 
 from .clipping import clipped
 from .drawing_order import DrawingOrder
+from .mesh_arrays import MeshArrays
 from .palette import Palette
 from .programs import bind, program, set_light, set_uniforms
 from .projection import Projection, project
@@ -26,20 +25,16 @@ from .targets import SurfaceTarget
 class MeshLayer:
     """One mesh on the graphics card. sections: planes that cut what is drawn of it; it shows no caps."""
 
-    def __init__(self, context: moderngl.Context, mesh: nofacet.Mesh) -> None:
+    def __init__(self, context: moderngl.Context, mesh: nofacet.Mesh, arrays: MeshArrays | None = None) -> None:
+        """arrays: of the mesh; made here where they are missing."""
+        arrays = arrays or MeshArrays.of(mesh)
         self.mesh = mesh
         self.sections: Sequence[nofacet.Section] = ()
+        self.bounds, self.center = arrays.bounds, arrays.center
         self._context = context
-        self.bounds = _bounds(mesh.points)
-        self.center = (self.bounds[0] + self.bounds[1]) / 2
-        face = np.zeros(len(mesh.points), np.int32)
-        face[mesh.triangles] = mesh.face[:, None]
-        local = (mesh.points - self.center).astype(np.float32)
-        vertices = np.zeros(len(local), [("position", "f4", 3), ("normal", "f4", 3), ("face", "i4")])
-        vertices["position"], vertices["normal"], vertices["face"] = local, mesh.normals, face
-        self._vertices = context.buffer(vertices.tobytes() or bytes(28))
+        self._vertices = context.buffer(arrays.vertices if len(arrays.vertices) else bytes(28))
         self._order = DrawingOrder(context, mesh)
-        self._arrays: dict[str, moderngl.VertexArray] = {}
+        self._arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
 
     def projection(self, camera: nofacet.Camera, size: tuple[int, int]) -> Projection:
         """The camera's matrices for this mesh's own coordinates."""
@@ -53,7 +48,7 @@ class MeshLayer:
         order = self._order
         order.part(palette.faces.alpha, blends=shading == "lit")
         order.sort(projection.eye_from_local[2, :3])
-        array = self._array("mesh.frag", shading)
+        array = self._array("mesh.frag", SHADING=shading.upper())
         self._prepare(array.program, projection)
         set_light(array.program, projection)
         set_uniforms(array.program, ramp_end=palette.end)
@@ -87,23 +82,20 @@ class MeshLayer:
 
     def release(self) -> None:
         for array in self._arrays.values():
-            array.program.release()
             array.release()
         self._vertices.release()
         self._order.release()
 
-    def _array(self, fragment: str, shading: str | None = None) -> moderngl.VertexArray:
+    def _array(self, fragment: str, **constants: str) -> moderngl.VertexArray:
         """The mesh with the program that draws it so."""
-        key = shading or fragment
+        if self.sections:
+            constants["CLIPPED"] = "1"
+        key = fragment, *constants.items()
         if key not in self._arrays:
             vertices = [(self._vertices, "3f 3f 1i", "position", "normal", "face")]
-            target = program(self._context, "mesh.vert", fragment, shading)
+            target = program(self._context, "mesh.vert", fragment, **constants)
             self._arrays[key] = self._context.vertex_array(target, vertices, self._order.indices, skip_errors=True)
         return self._arrays[key]
 
     def _prepare(self, target: moderngl.Program, projection: Projection) -> None:
         set_uniforms(target, clip_from_local=projection.clip_from_local, eye_from_local=projection.eye_from_local)
-
-
-def _bounds(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))

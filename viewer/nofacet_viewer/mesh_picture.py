@@ -12,7 +12,7 @@ from collections.abc import Callable
 import moderngl
 
 from .programs import bind, program, set_uniforms
-from .scale import AdaptiveScale, scaled
+from .scale import SMALLEST, AdaptiveScale, scaled
 from .srgb import RGB
 from .targets import SAMPLES, ColorTarget, picture_texture
 
@@ -20,8 +20,8 @@ Size = tuple[int, int]
 Draw = Callable[[Size], None]  # draws a picture of that size into the viewport of the framebuffer in use, linear
 
 MOTION_SECONDS = 0.012  # for a picture in motion: less than half of a frame's time, the rest is for the exact side
-STRIP_ROWS = 64
-TURN_SECONDS = 0.012  # after which refine() leaves the rest to the next call; it always draws one strip
+STRIP_ROWS = (16, 256)  # the least and the most at a time
+TURN_SECONDS = 0.012  # for a strip, and after which refine() leaves the rest to the next call
 
 
 class MeshPicture:
@@ -31,12 +31,13 @@ class MeshPicture:
         self._context = context
         self._encode = program(context, "fullscreen.vert", "encode.frag")
         self._encoded = context.vertex_array(self._encode, [])
-        self._scale = AdaptiveScale(MOTION_SECONDS)
+        self._scale = AdaptiveScale(MOTION_SECONDS, SMALLEST)
         self._linear: dict[int, ColorTarget] = {}  # by samples a pixel
         self._finished: dict[int, moderngl.Framebuffer] = {}  # the same, sRGB
         self._draw: Draw | None = None
         self._size: Size = (0, 0)
         self._background: RGB = (1.0, 1.0, 1.0)
+        self._rows = STRIP_ROWS[0]  # of the next strip
         self._row = 0  # from which on the fine picture is still to be drawn
 
     @property
@@ -71,17 +72,10 @@ class MeshPicture:
         if self._draw is None or self.refined:
             return False
         end = time.perf_counter() + seconds
-        width, height = self._size
-        while not self.refined:
-            target = self._target(SAMPLES, (width, min(STRIP_ROWS, height)))
-            target.begin((0, -self._row, width, height))
-            self._draw(self._size)
-            target.finish()
-            self._finish(target, SAMPLES, self._size, self._row)
-            self._row += STRIP_ROWS
-            self._context.finish()
-            if time.perf_counter() > end:
-                break
+        while not self.refined and time.perf_counter() < end:
+            start = time.perf_counter()
+            self._draw_strip(self._draw)
+            self._adapt(time.perf_counter() - start)
         return self.refined
 
     def release(self) -> None:
@@ -91,7 +85,24 @@ class MeshPicture:
             framebuffer.color_attachments[0].release()
             framebuffer.release()
         self._encoded.release()
-        self._encode.release()
+
+    def _draw_strip(self, draw: Draw) -> None:
+        width, height = self._size
+        target = self._target(SAMPLES, (width, self._rows))
+        target.begin((0, -self._row, width, height))
+        draw(self._size)
+        target.finish()
+        self._finish(target, SAMPLES, self._size, self._row)
+        self._row += self._rows
+        self._context.finish()
+
+    def _adapt(self, seconds: float) -> None:
+        """Choose the next strip's height by what one has taken."""
+        least, most = STRIP_ROWS
+        if seconds > TURN_SECONDS:
+            self._rows = max(self._rows // 2, least)
+        elif seconds < TURN_SECONDS / 2:
+            self._rows = min(self._rows * 2, most)
 
     def _target(self, samples: int, size: Size) -> ColorTarget:
         target = self._linear.get(samples)

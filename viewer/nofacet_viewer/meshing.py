@@ -14,12 +14,14 @@ import subprocess
 import sys
 import tempfile
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any
 
 import nofacet
 from nofacet.tessellation import read_shape, write_shape
+
+from .mesh_arrays import MeshArrays
 
 _CHILD_CODE = "import sys; sys.path[:] = sys.argv[1].split('\\n'); from nofacet_viewer.meshing import serve; serve()"
 _LENGTH = struct.Struct("<Q")
@@ -27,10 +29,11 @@ _LENGTH = struct.Struct("<Q")
 
 @dataclass(frozen=True)
 class MeshResult:
-    """A mesh and what was asked for."""
+    """A mesh and what was asked for. arrays: the mesh as it is drawn."""
 
     setting: nofacet.MeshSetting
     mesh: nofacet.Mesh
+    arrays: MeshArrays | None = None
 
 
 class Mesher:
@@ -124,6 +127,8 @@ class _Child:
         assert self._process.stdout
         with self._process.stdout as stream:
             while (answer := _read(stream)) is not None:
+                if isinstance(answer, MeshResult):
+                    answer = replace(answer, arrays=MeshArrays.of(answer.mesh))
                 self._answers.append(answer)
         status = self._process.wait()
         reason = (signal.strsignal(-status) if status < 0 else None) or f"status {status}"

@@ -13,12 +13,13 @@ from .color_scale import ColorScale, outline_scale
 from .compositor import Compositor
 from .difference import OutlineDifference
 from .line_overlays import LineOverlays
+from .mesh_arrays import MeshArrays
 from .overlays import ANALYSES, EXACT_LINES, OVERLAYS, analysis_of, face_colors, scale_of
 from .palette import Palette
 from .panes import Pane, pane_resolution, panes
 from .sides import DrawnSide, ExactSide, SidePicture
 from .srgb import encoded
-from .state import View, ViewState
+from .state import WHITE, View, ViewState
 
 __all__ = ["OVERLAYS", "Painter"]
 
@@ -64,9 +65,9 @@ class Painter:
         self._selected = selected
         self._forget_palette()
 
-    def set_mesh(self, mesh: nofacet.Mesh | None) -> None:
-        """OpenCascade's triangles of the model."""
-        self._drawn.set_mesh(mesh)
+    def set_mesh(self, mesh: nofacet.Mesh | None, arrays: MeshArrays | None = None) -> None:
+        """OpenCascade's triangles of the model. arrays: of the mesh; made here where they are missing."""
+        self._drawn.set_mesh(mesh, arrays)
         self._lines.set_mesh(mesh)
         self.set_difference(None)
 
@@ -136,11 +137,36 @@ class Painter:
             return None
         return self._drawn.surface(camera, size, self._colors(frozenset())).read()
 
+    def warm(self, framebuffer: moderngl.Framebuffer) -> None:
+        """Draw something as the plain views do, and forget it: where a processor draws, its driver makes programs for
+        it first, which takes longer than a frame."""
+        corners = np.array([(3, 0, 0), (0, 3, 0), (0, 0, 3), (4, 0, 0), (0, 4, 0), (0, 0, 4)], np.float64)
+        normals = np.full((6, 3), 3**-0.5, np.float32)
+        triangles = np.arange(6, dtype=np.int32).reshape(2, 3)
+        mesh = nofacet.Mesh(corners, normals, triangles, np.arange(2, dtype=np.int32), 0.0)
+        colors = np.array([(1, 1, 1, 1), (1, 1, 1, 0.5)], np.float32)
+        palette = Palette(self._context, colors, None, np.zeros(2, bool))
+        camera = nofacet.Camera("orthographic", (9.0, 9.0, 9.0), (0.0, 0.0, 0.0), view_height=3.0)
+        pane = Pane(View.TESSELLATED, 0, 64, 64)
+        drawn = DrawnSide(self._context, self._lines)
+        drawn.set_mesh(mesh)
+        for _ in range(2):  # the second is refined, and of the pane's own size
+            picture = drawn.picture(camera, pane.size, frozenset(), palette, WHITE)
+            framebuffer.use()
+            if picture:
+                self._compositor.draw(picture, pane)
+            drawn.refine(seconds=float("inf"))
+        drawn.release()
+        palette.release()
+        self._context.finish()
+
+    def prepare(self, state: ViewState, camera: nofacet.Camera, size: Size) -> None:
+        """Do what takes longest of paint(), which may follow later, with the same."""
+        self._pictures(state, camera, size)
+
     def paint(self, state: ViewState, camera: nofacet.Camera, framebuffer: moderngl.Framebuffer, size: Size) -> None:
         """Draw the view into the framebuffer's lower left corner, `size` pixels of it, 8-bit sRGB."""
-        shown = panes(state.view, size)
-        self._drawn.cut(state.sections)
-        pictures = [self._picture(pane, state, camera) for pane in shown]
+        shown, pictures = panes(state.view, size), self._pictures(state, camera, size)
         self._shows_drawn = any(
             picture is not None and pane.side is View.TESSELLATED for pane, picture in zip(shown, pictures, strict=True)
         )
@@ -165,6 +191,11 @@ class Painter:
         self._forget_palette()
         for held in (self._exact, self._drawn, self._lines, self._compositor):
             held.release()
+
+    def _pictures(self, state: ViewState, camera: nofacet.Camera, size: Size) -> list[SidePicture | None]:
+        """Of the view's panes."""
+        self._drawn.cut(state.sections)
+        return [self._picture(pane, state, camera) for pane in panes(state.view, size)]
 
     def _picture(self, pane: Pane, state: ViewState, camera: nofacet.Camera) -> SidePicture | None:
         if self._model is None or _shown_part(state, pane)[2] == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +15,29 @@ from nofacet.light import LIGHT
 from .projection import Projection
 
 FOLDER = Path(__file__).parent / "shaders"
+VERSION = "#version 330 core\n"  # how each file begins
 
 
-def program(context: moderngl.Context, vertex: str, fragment: str, shading: str | None = None) -> moderngl.Program:
-    """Compile two files of the folder; `#include "FILE"` takes in another one of it.
+def program(context: moderngl.Context, vertex: str, fragment: str, **constants: str) -> moderngl.Program:
+    """The program of two files of the folder; `#include "FILE"` takes in another one of it. constants: defined in both.
 
-    shading: "lit", "zebra" or "curvature", for fragments that can do each: SHADING stands for it there.
+    It is compiled once and kept as long as the context: some drivers take longer for it than for a picture.
     """
-    text = _source(fragment)
-    if shading:
-        text = text.replace("#version 330 core\n", f"#version 330 core\n#define SHADING {shading.upper()}\n", 1)
-    return context.program(vertex_shader=_source(vertex), fragment_shader=text)
+    if context.extra is None:
+        context.extra = {}
+    key = vertex, fragment, *constants.items()
+    if key not in context.extra:
+        context.extra[key] = _compiled(context, vertex, fragment, constants)
+    found: moderngl.Program = context.extra[key]
+    return found
+
+
+def _compiled(
+    context: moderngl.Context, vertex: str, fragment: str, constants: Mapping[str, str]
+) -> moderngl.Program:
+    defined = "".join(f"#define {name} {value}\n" for name, value in constants.items())
+    shaders = [_source(name).replace(VERSION, VERSION + defined, 1) for name in (vertex, fragment)]
+    return context.program(vertex_shader=shaders[0], fragment_shader=shaders[1])
 
 
 def _source(name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 FRAME_SECONDS = 1 / 30
 SHARE = 0.85  # of a frame's time is for rendering, the rest for handing it over
-SMALLEST = 1 / 8
+SMALLEST = 1 / 4  # below, little is left to see, and as little time to gain: much of it does not depend on the area
 STEP = 1 / 32  # scales are multiples of this, so that they settle
 MOST_SHRINK = 0.6  # factor at a time: one slow frame may be the machine's fault
 MOST_GROWTH = 1.25
@@ -12,16 +12,16 @@ SLACK = 0.07  # part of the budget that growing leaves free: no flicker between 
 
 
 class AdaptiveScale:
-    """Scale of the window's resolution for frames in motion, 1/8 to 1.
+    """Scale of the window's resolution for frames in motion, SMALLEST to 1.
 
     A frame's time is some fixed part and one that grows with its area, so the square root of budget / time never
     overshoots; repeated, it ends at the right scale whatever the parts are.
     """
 
-    def __init__(self, budget: float = SHARE * FRAME_SECONDS) -> None:
-        """budget: seconds a frame may take."""
+    def __init__(self, budget: float = SHARE * FRAME_SECONDS, value: float = 0.5) -> None:
+        """budget: seconds a frame may take. value: of the first frame."""
         self.budget = budget
-        self.value = 0.5
+        self.value = value
 
     def update(self, seconds: float, scale: float) -> None:
         """Take into account that a frame at that scale took so long."""

@@ -57,7 +57,7 @@ class SideLines:
         return whole.texture
 
     def release(self) -> None:
-        for held in (*(self._targets or ()), self._copied, self._copy):
+        for held in (*(self._targets or ()), self._copied):
             held.release()
 
     def _sized(self, size: Size) -> tuple[ColorTarget, ColorTarget]:

@@ -15,6 +15,7 @@ import nofacet
 from .exact_layer import ExactLayer, recoloring
 from .line_layer import DepthPicture
 from .line_overlays import LineOverlays
+from .mesh_arrays import MeshArrays
 from .mesh_layer import MeshLayer
 from .mesh_picture import MeshPicture
 from .overlays import EXACT_LINES, LINE_STYLES, shading_of
@@ -93,7 +94,6 @@ class ExactSide:
         if self._recolored:
             self._recolored.release()
         for shader in self._shaders.values():
-            shader.program.release()
             shader.release()
 
     def _recolor(self, layer: ExactLayer, shading: str, palette: Palette, background: RGB) -> moderngl.Texture:
@@ -130,10 +130,11 @@ class DrawnSide:
         """Whether refine() has something to do."""
         return self._picture_key is not None and not self._picture.refined
 
-    def set_mesh(self, mesh: nofacet.Mesh | None) -> None:
+    def set_mesh(self, mesh: nofacet.Mesh | None, arrays: MeshArrays | None = None) -> None:
+        """As MeshLayer takes them."""
         if self.layer:
             self.layer.release()
-        self.layer = None if mesh is None else MeshLayer(self._context, mesh)
+        self.layer = None if mesh is None else MeshLayer(self._context, mesh, arrays)
         self.forget()
         self.cut(self._sections)
 
