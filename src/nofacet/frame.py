@@ -86,7 +86,9 @@ class Frame:
     def srgb8(self, background: Sequence[float] | None = None) -> NDArray[np.uint8]:
         """The color buffer as screens show it, (h, w, 4) uint8 sRGB: with straight alpha as `save` writes it or, before
         a background (three sRGB values from 0 to 1), opaque. The interpreter's lock is free meanwhile."""
-        behind = None if background is None else _linear_from_srgb(np.asarray(background, np.float64))
+        behind = (
+            None if background is None else _linear_from_srgb(np.asarray(background, np.float64)).astype(np.float64)
+        )
         pixels: NDArray[np.uint8] = _native.frame_buffer(self.color.size).reshape(self.color.shape)
         _native.srgb8(np.ascontiguousarray(self.color), behind, os.cpu_count() or 1, pixels)
         return pixels
