@@ -291,6 +291,7 @@ def scenario_show() -> None:
     def run(app: Any) -> None:
         apps.append(app)
         rest(app)
+        hide_panels(app)
         picture = shown(app)
         assert (picture[240, 100] == 255).all() and (picture[240, 320] < 250).any()
         app.on_key("T", frozenset())

@@ -55,7 +55,7 @@ def rest(app: Any) -> None:
 
 def shown(app: Any) -> np.ndarray:
     """The window's pixels (height, width, 3), 8-bit sRGB, as int."""
-    return np.asarray(app.window.pixels(app._picture)).astype(int)
+    return np.asarray(app.window.pixels(app._paint)).astype(int)
 
 
 def srgb(linear: np.ndarray) -> np.ndarray:
