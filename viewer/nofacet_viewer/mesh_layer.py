@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import moderngl
+
 import nofacet
 
 from .clipping import clipped

@@ -32,9 +32,7 @@ def program(context: moderngl.Context, vertex: str, fragment: str, **constants: 
     return found
 
 
-def _compiled(
-    context: moderngl.Context, vertex: str, fragment: str, constants: Mapping[str, str]
-) -> moderngl.Program:
+def _compiled(context: moderngl.Context, vertex: str, fragment: str, constants: Mapping[str, str]) -> moderngl.Program:
     defined = "".join(f"#define {name} {value}\n" for name, value in constants.items())
     shaders = [_source(name).replace(VERSION, VERSION + defined, 1) for name in (vertex, fragment)]
     return context.program(vertex_shader=shaders[0], fragment_shader=shaders[1])
