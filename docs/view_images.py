@@ -43,7 +43,7 @@ class Picture:
     view: View
     direction: Vector
     overlays: tuple[str, ...] = ()
-    setting: str = "F3D"
+    setting: str = "Mayo"
 
 
 FLANGE, TEAPOT, BOTTLE = (OWN / f"{name}.step" for name in ("flange", "teapot", "bottle"))
@@ -62,7 +62,7 @@ VIEWS = {
 }
 OVERLAYS = {
     "view_edges_ctc_02": Picture(CTC_02, View.SIDE_BY_SIDE, FROM_CTC, ("edges",)),
-    "view_mesh_edges": Picture(TEAPOT, View.WIPE, FROM_TEAPOT, ("mesh-edges",)),
+    "view_mesh_edges": Picture(TEAPOT, View.WIPE, FROM_TEAPOT, ("mesh-edges",), "F3D"),
     "view_zebra": Picture(BOTTLE, View.SIDE_BY_SIDE, FROM_BOTTLE, ("zebra",)),
     "view_curvature": Picture(FLANGE, View.WIPE, FROM_FLANGE, ("curvature",)),
     "view_control_nets": Picture(TEAPOT, View.EXACT, FROM_TEAPOT, ("control-nets", "patch-borders")),
