@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 pytest.importorskip("nofacet_viewer")
+from nofacet import Camera
 from nofacet_viewer.controls import Button, Controls, Motion, zoom_wheel
 from nofacet_viewer.panes import panes
 from nofacet_viewer.state import View
-
-from nofacet import Camera
 
 CAMERA = Camera("orthographic", (0, -10, 0), (0, 0, 0), view_height=4.0)
 (PANE,) = panes(View.EXACT, (400, 400))
