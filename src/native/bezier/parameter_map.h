@@ -23,11 +23,14 @@ struct ParameterMap {
     if (!angular) return (u - u0) / (u1 - u0);
     return 0.5 + 0.5 * std::tan(0.5 * (u - 0.5 * (u0 + u1))) / tangent;
   }
-  // ds/du at u.
-  double patch_slope(double u) const {
-    if (!angular) return 1.0 / (u1 - u0);
-    const double c = std::cos(0.5 * (u - 0.5 * (u0 + u1)));
-    return 0.25 / (c * c * tangent);
+  // s and ds/du at u.
+  struct Local {
+    double s, slope;
+  };
+  Local local(double u) const {
+    if (!angular) return {(u - u0) / (u1 - u0), 1.0 / (u1 - u0)};
+    const double t = std::tan(0.5 * (u - 0.5 * (u0 + u1)));
+    return {0.5 + 0.5 * t / tangent, 0.25 * (1.0 + t * t) / tangent};
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "raster/fill.h"
 
@@ -103,12 +104,13 @@ void BandPainter::cut_patches() {
   spans_.reuse();
   order_ = 0;
   if (cuts_) insert_caps(plane_y_.data(), int(plane_y_.size()), lines_.data());
-  for (const int32_t index : *band_patches_) {
+  for (std::size_t k = 0; k < band_patches_->size(); ++k) {
+    const int32_t index = (*band_patches_)[k];
     const PlacedPatch& patch = patches_.patches()[index];
     const auto [first, last] = planes_in(patch.y);
     if (first == last || hidden(patch.x, patch.key.lo, first, last)) continue;
     watch_.lap(times_.visibility);
-    const auto [piece, end] = patches_.pieces(index, thread_);
+    const auto [piece, end] = patches_.pieces(index, thread_, std::span(*band_patches_).subspan(k + 1));
     watch_.lap(times_.subdivide);
     for (const Piece* p = piece; p != end; ++p) cut_piece(*p, patch.cut);
   }

@@ -54,7 +54,7 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
   std::stable_sort(patches_.begin(), patches_.end(),
                    [](const PlacedPatch& p, const PlacedPatch& q) { return p.key.lo < q.key.lo; });
   slots_ = std::make_unique<Slot[]>(patches_.size());
-  for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes), {}, {}, 0, {}});
+  for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes), {}, {}});
 }
 
 void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads,
@@ -81,45 +81,59 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   }
 }
 
-std::pair<const Piece*, const Piece*> FramePatches::pieces(int32_t index, int thread) {
+std::pair<const Piece*, const Piece*> FramePatches::pieces(int32_t index, int thread, std::span<const int32_t> next) {
   Slot& slot = slots_[index];
-  int state = slot.state.load(std::memory_order_acquire);
-  if (state == kUntouched && slot.state.compare_exchange_strong(state, kInWork, std::memory_order_acquire)) {
-    build(index, workers_[thread]);
-    slot.state.store(kReady, std::memory_order_release);
+  Worker& worker = workers_[thread];
+  build(index, worker);
+  std::size_t ahead = 0;
+  while (slot.state.load(std::memory_order_acquire) != kReady) {
+    while (ahead < next.size() && !build(next[ahead], worker)) ++ahead;
+    if (ahead == next.size()) std::this_thread::yield();
   }
-  while (slot.state.load(std::memory_order_acquire) != kReady) std::this_thread::yield();
+  if (!slot.used.load(std::memory_order_relaxed)) slot.used.store(true, std::memory_order_relaxed);
   return {slot.pieces, slot.pieces + slot.count};
 }
 
-void FramePatches::build(int32_t index, Worker& worker) {
+// Makes the pieces of a patch unless some thread has begun to; whether it did.
+bool FramePatches::build(int32_t index, Worker& worker) {
+  Slot& slot = slots_[index];
+  int state = slot.state.load(std::memory_order_acquire);
+  if (state != kUntouched || !slot.state.compare_exchange_strong(state, kInWork, std::memory_order_acquire)) {
+    return false;
+  }
   const int64_t before = worker.builder.unresolved();
   worker.found.clear();
   worker.builder.add_patch(patches_[index].face, *patches_[index].patch, worker.found);
   Piece* kept = worker.arena.take(worker.found.size());
   std::copy(worker.found.begin(), worker.found.end(), kept);
-  slots_[index].pieces = kept;
-  slots_[index].count = int32_t(worker.found.size());
-  worker.count += int64_t(worker.found.size());
-  if (worker.builder.unresolved() != before) worker.unresolved_faces.push_back(patches_[index].face);
+  slot.pieces = kept;
+  slot.count = int32_t(worker.found.size());
+  slot.unresolved = worker.builder.unresolved() - before;
+  slot.state.store(kReady, std::memory_order_release);
+  return true;
+}
+
+template <class Value>
+int64_t FramePatches::sum_of_used(Value value) const {
+  int64_t sum = 0;
+  for (std::size_t k = 0; k < patches_.size(); ++k) {
+    if (slots_[k].used) sum += value(slots_[k]);
+  }
+  return sum;
 }
 
 int64_t FramePatches::piece_count() const {
-  int64_t sum = 0;
-  for (const Worker& worker : workers_) sum += worker.count;
-  return sum;
+  return sum_of_used([](const Slot& slot) { return slot.count; });
 }
 
 int64_t FramePatches::unresolved() const {
-  int64_t sum = 0;
-  for (const Worker& worker : workers_) sum += worker.builder.unresolved();
-  return sum;
+  return sum_of_used([](const Slot& slot) { return slot.unresolved; });
 }
 
 std::vector<int32_t> FramePatches::unresolved_faces() const {
   std::vector<int32_t> faces;
-  for (const Worker& worker : workers_) {
-    faces.insert(faces.end(), worker.unresolved_faces.begin(), worker.unresolved_faces.end());
+  for (std::size_t k = 0; k < patches_.size(); ++k) {
+    if (slots_[k].used && slots_[k].unresolved > 0) faces.push_back(patches_[k].face);
   }
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <deque>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "raster/piece.h"
@@ -34,11 +35,12 @@ class FramePatches {
 
   const std::vector<PlacedPatch>& patches() const { return patches_; }
   // The pieces of patches()[index], made at the first call by whichever thread comes first; they do not depend on it.
-  std::pair<const Piece*, const Piece*> pieces(int32_t index, int thread);
+  // While another thread makes them, this one works ahead: it makes those of `next`, which it may ask for soon.
+  std::pair<const Piece*, const Piece*> pieces(int32_t index, int thread, std::span<const int32_t> next = {});
 
   // Depths this close are the same surface: far above rounding, far below anything visible.
   double depth_tie() const { return depth_tie_; }
-  // Sums over all threads; to be called when no thread is at work.
+  // Of the patches that were asked for; to be called when no thread is at work.
   int64_t piece_count() const;
   int64_t unresolved() const;
   std::vector<int32_t> unresolved_faces() const;
@@ -47,7 +49,9 @@ class FramePatches {
   enum State : int { kUntouched, kInWork, kReady };
   struct Slot {
     std::atomic<int> state{kUntouched};
+    std::atomic<bool> used{false};
     int32_t count = 0;
+    int64_t unresolved = 0;
     const Piece* pieces = nullptr;
   };
   // One thread's builder and the memory of what it built.
@@ -55,12 +59,12 @@ class FramePatches {
     PieceBuilder builder;
     Arena<Piece> arena;
     std::vector<Piece> found;
-    int64_t count = 0;
-    std::vector<int32_t> unresolved_faces;
   };
 
   void place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads, const Sections* sections);
-  void build(int32_t index, Worker& worker);
+  bool build(int32_t index, Worker& worker);
+  template <class Value>
+  int64_t sum_of_used(Value value) const;
 
   std::vector<PlacedPatch> patches_;
   std::unique_ptr<Slot[]> slots_;

@@ -367,17 +367,27 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   if (piece.kind == CutKind::uncertain) piece.key = hull_range(net, kZ, kW);
   if (arcs) {
     piece.region = region_;
-    if (piece.kind != CutKind::uncertain) {
-      portions_.clear();
-      const NetBounds bounds(piece.net);
-      for (const TrimArc* arc : *arcs) monotone_portions(piece, bounds, *arc, planes_, portions_);
-      TrimPortion* stored = portion_arena_.take(portions_.size());
-      std::copy(portions_.begin(), portions_.end(), stored);
-      piece.portions = stored;
-      piece.portion_count = int32_t(portions_.size());
-    }
+    if (piece.kind != CutKind::uncertain) add_portions(piece, *arcs);
   }
   out_->push_back(piece);
+}
+
+void PieceBuilder::add_portions(Piece& piece, const Arcs& arcs) {
+  const auto store = [](const auto& list, auto& arena) {
+    auto* stored = arena.take(list.size());
+    std::copy(list.begin(), list.end(), stored);
+    return stored;
+  };
+  portions_.clear();
+  events_.clear();
+  const NetBounds bounds(piece.net);
+  PortionFinder finder(piece, bounds, planes_, portions_, events_);
+  for (const TrimArc* arc : arcs) finder.add(*arc);
+  finder.finish();
+  piece.portions = store(portions_, portion_arena_);
+  piece.portion_count = int32_t(portions_.size());
+  piece.events = store(events_, event_arena_);
+  piece.event_count = int32_t(events_.size());
 }
 
 }  // namespace nofacet

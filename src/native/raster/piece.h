@@ -16,21 +16,10 @@
 #include "camera.h"
 #include "raster/certificate.h"
 #include "raster/scan_planes.h"
+#include "raster/trim_portions.h"
 #include "scene.h"
 
 namespace nofacet {
-
-// A part of a trim arc inside one piece, along which the screen y moves one way only; or one that no scan plane of the
-// frame meets, which is kept for its range of y only (arc is null).
-struct TrimPortion {
-  struct End {
-    double t, a, b, x, y, key;  // on the arc, in the piece, on the screen
-  };
-
-  const TrimArc* arc;
-  End from, to;
-  bool straight;  // all of this is linear between the ends
-};
 
 // key = at + by_x x + by_y y, to within +-error, all over a piece.
 struct KeyPlane {
@@ -45,7 +34,8 @@ struct Piece {
   const Scene::PatchRef* patch;
   const Region* region;  // null: not trimmed here
   const TrimPortion* portions;
-  int32_t portion_count;
+  const double* events;  // y at which trim portions begin and end, ascending
+  int32_t portion_count, event_count;
   int32_t face;
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
   bool transposed;
@@ -74,6 +64,7 @@ struct Piece {
 // The patch as the camera sees it; `points` holds the net. Weights that are all the same become 1.
 Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
                   std::vector<double>& points);
+
 // Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
 class PieceBuilder {
  public:
@@ -108,14 +99,16 @@ class PieceBuilder {
   void emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Box& box,
                       const Arcs* arcs);
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
-  void add_portions(const Piece& piece, const TrimArc& arc);
+  void add_portions(Piece& piece, const Arcs& arcs);
 
   const Scene& scene_;
   const Camera& camera_;
   const ScanPlanes& planes_;
   Arena<double> nets_;
   Arena<TrimPortion> portion_arena_;
+  Arena<double> event_arena_;
   std::vector<TrimPortion> portions_;
+  std::vector<double> events_;
   std::vector<double> projected_, turns_, part_;
   std::vector<std::vector<double>> stack_;  // the two halves for each depth
   std::vector<double> forms_;               // of the patch: J and its turn
@@ -128,9 +121,5 @@ class PieceBuilder {
   int32_t face_ = 0;
   std::vector<Piece>* out_ = nullptr;
 };
-
-// Appends to `out` the parts of `arc` inside `piece`, each monotone in screen y. `bounds`: of the piece's net.
-void monotone_portions(const Piece& piece, const NetBounds& bounds, const TrimArc& arc, const ScanPlanes& planes,
-                       std::vector<TrimPortion>& out);
 
 }  // namespace nofacet

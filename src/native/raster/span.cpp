@@ -6,30 +6,8 @@
 namespace nofacet {
 namespace {
 
-CutPoint point_of(const Piece& piece, double a, double b) {
-  const Jet jet = evaluate(piece.net, a, b);
-  return {a, b, jet.p[kX] / jet.p[kW], jet.p[kZ] / jet.p[kW]};
-}
-
 // Parameters and pixels; far above rounding, and below any stretch that lasts for many planes.
 constexpr double kLongStretch = 1e-6;
-
-// Where the trim portion crosses the scan plane: its parameter.
-double solve_crossing(const Piece& piece, const TrimPortion& portion, double y, double guess) {
-  const Scene::PatchRef& patch = *piece.patch;
-  const double rs = 1.0 / (piece.s1 - piece.s0), rt = 1.0 / (piece.t1 - piece.t0);
-  auto height = [&](double t, double* slope) {
-    const CurvePoint c = portion.arc->at(t);
-    double a, b;
-    piece.local_from_face(c.u, c.v, &a, &b);
-    double da = c.du * patch.u.patch_slope(c.u) * rs, db = c.dv * patch.v.patch_slope(c.v) * rt;
-    if (piece.transposed) std::swap(da, db);
-    const ScreenJet screen(evaluate(piece.net, a, b));
-    *slope = screen.ya * da + screen.yb * db;
-    return screen.y - y;
-  };
-  return bracketed_newton(height, portion.from.t, portion.to.t, portion.to.y > portion.from.y, guess);
-}
 
 // Bounds of the key between two points of a cut: by the mean value theorem from both ends.
 Interval bound_key(const Piece& piece, double a0, double key0, double a1, double key1) {
@@ -68,8 +46,9 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
     }
     return;
   }
-  find_crossings(piece, y, count);
-  find_events(piece);
+  find_trim_crossings(piece, y, count, crossings_);
+  next_event_ = 0;
+  inside_.clear();
   std::size_t first = 0, last = 0;  // crossings of the plane
   int plane = -1;
   for (const CutArc& arc : arcs) {
@@ -78,7 +57,7 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
       plane = arc.plane;
       for (first = last; first < crossings_.size() && crossings_[first].plane < plane;) ++first;
       for (last = first; last < crossings_.size() && crossings_[last].plane == plane;) ++last;
-      if (!same_layout(first, last, level)) inside_.assign(last - first + 1, -1);
+      if (!same_layout(piece, first, last, level)) inside_.assign(last - first + 1, -1);
     }
     const auto add = [&](const CutPoint& from, const CutPoint& to, std::size_t stretch) {
       if (inside(piece, level, from, to, stretch)) {
@@ -101,59 +80,10 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
   }
 }
 
-// The crossings of the trim curves with all planes in the piece.
-void SpanMaker::find_crossings(const Piece& piece, const double* y, int count) {
-  crossings_.clear();
-  for (int k = 0; k < piece.portion_count; ++k) {
-    const TrimPortion& portion = piece.portions[k];
-    if (!portion.arc) continue;
-    const double lo = std::min(portion.from.y, portion.to.y), hi = std::max(portion.from.y, portion.to.y);
-    // Half-open, as (y0 <= y) != (y1 <= y).
-    const int first = int(std::lower_bound(y, y + count, lo) - y), last = int(std::lower_bound(y, y + count, hi) - y);
-    const TrimPortion::End &from = portion.from, &to = portion.to;
-    if (portion.straight) {
-      for (int plane = first; plane < last; ++plane) {
-        const double f = (y[plane] - from.y) / (to.y - from.y);
-        const auto between = [f](double p, double q) { return p + f * (q - p); };
-        crossings_.push_back(
-            {plane,
-             k,
-             {between(from.a, to.a), between(from.b, to.b), between(from.x, to.x), between(from.key, to.key)}});
-      }
-      continue;
-    }
-    double rate = (to.t - from.t) / (to.y - from.y), t = from.t, at = from.y;
-    for (int plane = first; plane < last; ++plane) {
-      // First guess: on with the last two planes' rate.
-      const double solved = solve_crossing(piece, portion, y[plane], t + rate * (y[plane] - at));
-      if (plane > first) rate = (solved - t) / (y[plane] - at);
-      t = solved, at = y[plane];
-      const CurvePoint c = portion.arc->at(t);
-      double a, b;
-      piece.local_from_face(c.u, c.v, &a, &b);
-      crossings_.push_back({plane, k, point_of(piece, a, b)});
-    }
-  }
-  std::sort(crossings_.begin(), crossings_.end(), [](const Crossing& p, const Crossing& q) {
-    return p.plane != q.plane ? p.plane < q.plane : p.point.a < q.point.a;
-  });
-}
-
-void SpanMaker::find_events(const Piece& piece) {
-  events_.clear();
-  for (int k = 0; k < piece.portion_count; ++k) {
-    events_.push_back(piece.portions[k].from.y);
-    events_.push_back(piece.portions[k].to.y);
-  }
-  std::sort(events_.begin(), events_.end());
-  next_event_ = 0;
-  inside_.clear();
-}
-
 // Whether the plane y, which has the crossings [first, last), is cut as the plane before it was.
-bool SpanMaker::same_layout(std::size_t first, std::size_t last, double y) {
-  bool same = !inside_.empty() && (next_event_ == events_.size() || events_[next_event_] > y);
-  while (next_event_ < events_.size() && events_[next_event_] <= y) ++next_event_;
+bool SpanMaker::same_layout(const Piece& piece, std::size_t first, std::size_t last, double y) {
+  bool same = !inside_.empty() && (next_event_ == piece.event_count || piece.events[next_event_] > y);
+  while (next_event_ < piece.event_count && piece.events[next_event_] <= y) ++next_event_;
   same &= layout_.size() == last - first;
   for (std::size_t k = first; same && k < last; ++k) same = layout_[k - first] == crossings_[k].portion;
   if (same) return true;

@@ -4,6 +4,7 @@
 
 #include "raster/cut.h"
 #include "raster/screen_jet.h"
+#include "raster/trim_crossings.h"
 
 namespace nofacet {
 
@@ -38,28 +39,18 @@ class SpanMaker {
   void append(const Piece& piece, const double* y, int count, int first_plane, int width, std::vector<Span>& out);
 
  private:
-  // Where a trim portion crosses a plane.
-  struct Crossing {
-    int plane;
-    int portion;
-    CutPoint point;
-  };
-
   void append_point(const Piece& piece, const double* y, int count, int first_plane, int width,
                     std::vector<Span>& out) const;
-  void find_crossings(const Piece& piece, const double* y, int count);
-  void find_events(const Piece& piece);
-  bool same_layout(std::size_t first, std::size_t last, double y);
+  bool same_layout(const Piece& piece, std::size_t first, std::size_t last, double y);
   bool inside(const Piece& piece, double y, const CutPoint& from, const CutPoint& to, std::size_t stretch);
 
   PieceCutter cutter_;
-  std::vector<Crossing> crossings_;  // by plane, ascending in a
+  std::vector<TrimCrossing> crossings_;
   // Which stretches of a plane, between one crossing and the next, are inside. It stays the same from plane to plane
   // while they meet the same portions in the same order and no portion begins or ends between them.
   std::vector<signed char> inside_;  // 1, 0, or -1: not known
   std::vector<int> layout_;          // portions crossed, in order
-  std::vector<double> events_;       // y at which portions begin and end, ascending
-  std::size_t next_event_ = 0;
+  int next_event_ = 0;               // of the piece
 };
 
 // The span's surface point at pixel position (x, y'), where y' is within a few nanopixels of the span's plane and x of

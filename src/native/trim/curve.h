@@ -14,12 +14,13 @@ CurvePoint evaluate_curve(const double* points, int degree, double t);
 // Bounds of du/dt and dv/dt over [t0, t1], from the hodograph's control polygon.
 void derivative_bounds(const double* points, int degree, double t0, double t1, Interval* du, Interval* dv);
 
-// A part [t0, t1] of a segment along which neither u nor v turns back; its box is spanned by its end points.
+// A part [t0, t1] of a segment along which neither u nor v turns back: its box is spanned by its end points.
 struct TrimArc {
   const double* points;
   int degree;
   double t0, t1;
   double u0, v0, u1, v1;
+  Interval du, dv;  // bounds of the derivatives by t
 
   CurvePoint at(double t) const { return evaluate_curve(points, degree, t); }
   Interval u_range() const { return u0 < u1 ? Interval{u0, u1} : Interval{u1, u0}; }

@@ -59,7 +59,9 @@ void Region::add_segment(const double* points, int degree) {
     if (cuts[k] <= cuts[k - 1]) continue;
     const CurvePoint to = evaluate_curve(points, degree, cuts[k]);
     if (from.u != to.u || from.v != to.v) {
-      arcs_.push_back({points, degree, cuts[k - 1], cuts[k], from.u, from.v, to.u, to.v});
+      TrimArc arc{points, degree, cuts[k - 1], cuts[k], from.u, from.v, to.u, to.v, {}, {}};
+      derivative_bounds(points, degree, arc.t0, arc.t1, &arc.du, &arc.dv);
+      arcs_.push_back(arc);
     }
     from = to;
   }
