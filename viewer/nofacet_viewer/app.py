@@ -132,6 +132,7 @@ class App:
         if self._picture_changed():
             self._prepare()
             self.window.wait(0.0)  # input need not wait for both
+            self.exact.show(self._request())  # nor need what it asks for
         elif not self._frames_due:
             return False
         self._frames_due = max(0, self._frames_due - 1)
