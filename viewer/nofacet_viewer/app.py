@@ -130,7 +130,9 @@ class App:
         if 0 in self.session.size:
             return False
         if self._picture_changed():
-            self._prepare()
+            painted = self._painted
+            if painted.camera:
+                self.painter.prepare(painted.state, painted.camera, painted.size)
             self.window.wait(0.0)  # input need not wait for both
             self.exact.show(self._request())  # nor need what it asks for
         elif not self._frames_due:
@@ -166,6 +168,7 @@ class App:
     def on_release(self, button: Button, at: Point) -> None:
         self._touch()
         self.session.release(button, at)
+        self.exact.rest(self._request())
 
     def on_move(self, at: Point) -> None:
         if self.session.controls.drag is None:  # else panels stay as they are: what moves is the picture
@@ -254,11 +257,6 @@ class App:
             self._moved = now
             return True
         return given or (now - self._moved >= REST_SECONDS and self.painter.refine())
-
-    def _prepare(self) -> None:
-        painted = self._painted
-        if painted.camera:
-            self.painter.prepare(painted.state, painted.camera, painted.size)
 
     def _paint(self, framebuffer: Any) -> None:
         painted = self._painted
