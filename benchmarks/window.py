@@ -7,10 +7,12 @@ waits until nothing goes on in the background, drags the mouse to orbit for some
 in milliseconds where nothing else is said:
 
 stall while reading: the longest time in which no input was handled, from opening the window until the file is read,
-    shown in full quality, meshed and measured. While orbiting: the same for the drag and the refinement after it.
+    shown in full quality, meshed and measured. While orbiting: the same for the drag and the refinement after it. What
+    waiting for input takes longer than it was to last counts, too.
 frames a second: of exact pictures that the window showed while the camera orbited; scale: of their resolution.
 frame: time that drawing one of them took, median.
-latency: from an input to the first picture presented that shows its camera or a later one; median and largest.
+latency: from an input, whether or not the window was ready for it, to the first picture presented that shows its
+    camera or a later one; median and largest.
 full quality: from the last input until the picture with 16 samples is presented.
 
 The first quarter of the orbit, in which the resolution settles, counts for the stalls only.
@@ -81,9 +83,9 @@ class Run:
         self._wait = self.app.window.wait
         self.app.window.wait = self._timed_wait  # type: ignore[method-assign]
 
-    def step(self) -> bool:
-        """One turn of the window's loop; whether a picture was presented."""
-        return self.app.step(0.002)
+    def step(self, wait: float = 0.002) -> bool:
+        """One turn of the window's loop; whether a picture was presented. wait: seconds at most for something to do."""
+        return self.app.step(wait)
 
     def until_full(self) -> None:
         session, end = self.app.session, time.monotonic() + TIMEOUT
@@ -113,17 +115,20 @@ class Run:
         orbit = Orbit(time.perf_counter(), seconds)
         shown, next_input = session.exact, orbit.start
         while (now := time.perf_counter()) - orbit.start < seconds:
-            if now >= next_input:
+            due = []
+            while next_input <= now:
+                due.append(next_input)
+                next_input += INPUT_SECONDS
+            if due:  # the window is told where several motions have led to
                 angle = 2 * math.pi * (now - orbit.start) / TURN_SECONDS
                 app.on_move((width * (0.3 + 0.1 * math.sin(angle)), height * (0.5 + 0.1 * (1 - math.cos(angle)))))
                 assert session.camera
-                orbit.unanswered.append((now, session.camera))
-                next_input = now + INPUT_SECONDS
-            if self.step() and session.exact and session.exact is not shown:
+                orbit.unanswered += [(at, session.camera) for at in due]
+            if self.step(max(next_input - time.perf_counter(), 0.0)) and session.exact and session.exact is not shown:
                 shown = session.exact
                 orbit.show(shown, time.perf_counter())
-        app.on_release(Button.LEFT, (width * 0.3, height * 0.5))
         rest = time.perf_counter()
+        app.on_release(Button.LEFT, session.cursor)
         self.until_full()
         return orbit.figures() | {"full quality": 1e3 * (time.perf_counter() - rest)}
 
@@ -133,9 +138,12 @@ class Run:
         return longest
 
     def _timed_wait(self, seconds: float) -> None:
-        self.longest = max(self.longest, time.perf_counter() - self._handled)
+        start = time.perf_counter()
         self._wait(seconds)
-        self._handled = time.perf_counter()
+        now = time.perf_counter()
+        overdue = max(now - start - seconds, 0.0)
+        self.longest = max(self.longest, start - self._handled + overdue)
+        self._handled = now
 
 
 def measure(model: str, view: View, resolution: tuple[int, int], seconds: float) -> dict[str, float]:

@@ -146,3 +146,21 @@ def test_a_model_with_nothing_to_draw_gets_a_line(sphere: Model) -> None:
     collector.wait(lambda: bool(collector.frames))
     collector.renderer.stop()
     assert collector.frames == ["empty.step: no face could be converted, there is nothing to draw; see its warnings"]
+
+
+def test_the_end_of_a_motion_is_not_waited_for_where_it_is_known(
+    sphere: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    collector = Collector()
+    from nofacet_viewer import exact
+
+    monkeypatch.setattr(exact, "REST_SECONDS", 3600.0)
+    collector.renderer.show(request(sphere))
+    collector.wait(lambda: collector.frames)
+    assert not collector.frames[-1].is_full
+    collector.renderer.rest(request(sphere))
+    collector.wait(lambda: collector.frames[-1].is_full)
+    moved = request(sphere, 30.0)
+    collector.renderer.rest(moved)  # and where it is known from the beginning
+    collector.wait(lambda: collector.frames[-1].request == moved and collector.frames[-1].is_full)
+    collector.renderer.stop()

@@ -156,7 +156,21 @@ def scenario_blink() -> None:
     app.close()
 
 
-@pytest.mark.parametrize("scenario", ["keys", "mouse", "cursor", "pixels", "wipe", "blink"])
+def scenario_progress() -> None:
+    """A progress bar is no reason to draw all the time: reading needs the processor, too."""
+    from nofacet_viewer.app import BUSY_SECONDS, SETTLING_FRAMES
+
+    app = opened(FLANGE)
+    app.session.reload()
+    until(app, lambda: not app._frames_due)
+    start, drawn = time.monotonic(), 0
+    while app.session.loader.awaited:
+        drawn += app.step(0.0)
+    assert 0 < drawn <= (time.monotonic() - start) / BUSY_SECONDS + 2 * SETTLING_FRAMES
+    app.close()
+
+
+@pytest.mark.parametrize("scenario", ["keys", "mouse", "cursor", "pixels", "wipe", "blink", "progress"])
 def test_keys_and_mouse(scenario: str) -> None:
     run_in_window("test_window", f"scenario_{scenario}")
 

@@ -95,6 +95,7 @@ class App:
         self._painted = Painted()
         self._moved = 0.0  # time.monotonic() at which another picture was asked for
         self._frames_due = SETTLING_FRAMES
+        self._drawn = 0.0  # time.monotonic() of the last picture
         self._screenshot = False
         self._quit = False
         self._draw()  # the window is to be seen before anything that takes time
@@ -130,8 +131,11 @@ class App:
         if 0 in self.session.size:
             return False
         if self._picture_changed():
-            self._prepare()
+            painted = self._painted
+            if painted.camera:
+                self.painter.prepare(painted.state, painted.camera, painted.size)
             self.window.wait(0.0)  # input need not wait for both
+            self.exact.show(self._request())  # nor need what it asks for
         elif not self._frames_due:
             return False
         self._frames_due = max(0, self._frames_due - 1)
@@ -165,6 +169,7 @@ class App:
     def on_release(self, button: Button, at: Point) -> None:
         self._touch()
         self.session.release(button, at)
+        self.exact.rest(self._request())
 
     def on_move(self, at: Point) -> None:
         if self.session.controls.drag is None:  # else panels stay as they are: what moves is the picture
@@ -190,7 +195,7 @@ class App:
         """Seconds that nothing needs to be done if no input comes and no thread wakes us."""
         if self._frames_due:
             return 0.0
-        if self.session.loader.path and not self.session.loader.measured:
+        if self.session.loader.awaited:
             return BUSY_SECONDS
         if self.painter.busy:
             return POLL_SECONDS
@@ -206,8 +211,10 @@ class App:
             self.window.resized = False
             session.size = self.window.size
             self._touch()
-        if session.update(time.monotonic()) or (session.loader.path and not session.loader.measured):
+        if session.update(time.monotonic()):
             self._touch()
+        elif session.loader.awaited and time.monotonic() - self._drawn >= BUSY_SECONDS:
+            self._frames_due = max(self._frames_due, 1)
         self.exact.show(self._request())
         latest = self.exact.latest()
         if isinstance(latest, str):
@@ -254,11 +261,6 @@ class App:
             return True
         return given or (now - self._moved >= REST_SECONDS and self.painter.refine())
 
-    def _prepare(self) -> None:
-        painted = self._painted
-        if painted.camera:
-            self.painter.prepare(painted.state, painted.camera, painted.size)
-
     def _paint(self, framebuffer: Any) -> None:
         painted = self._painted
         if painted.camera:
@@ -291,13 +293,12 @@ class App:
 
     def _draw(self) -> None:
         """Show the picture with the panels before it."""
+        self._drawn = time.monotonic()
         self.window.draw(self._paint, self.panels.draw)
         if self._screenshot:
             self._screenshot = False
             self._save_window()
         self.window.present()
-
-    # Pictures
 
     def _save_window(self) -> None:
         session, pixels = self.session, self.window.pixels(self._paint)

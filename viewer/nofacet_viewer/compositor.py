@@ -19,7 +19,7 @@ class Compositor:
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
-        self._show = program(context, "fullscreen.vert", "show.frag")
+        self._show = program(context, "show.vert", "show.frag")
         self._compose = program(context, "fullscreen.vert", "compose.frag")
         self._difference = program(context, "fullscreen.vert", "difference.frag")
         programs = self._show, self._compose, self._difference
@@ -84,4 +84,4 @@ class Compositor:
     def _fill(self, target: moderngl.Program, pane: Pane) -> None:
         self._context.enable_only(moderngl.NOTHING)
         self._context.fbo.viewport = pane.x, 0, pane.width, pane.height
-        self._arrays[target].render(moderngl.TRIANGLES, vertices=3)
+        self._arrays[target].render(moderngl.TRIANGLES, vertices=6)

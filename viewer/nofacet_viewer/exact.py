@@ -89,6 +89,7 @@ class ExactRenderer:
         self._changed = threading.Condition()
         self._request: Request | None = None
         self._number = 0  # of the request
+        self._rested = -1  # the number of the last request that rest() was said of
         self._cancel = nofacet.Cancel()
         self._moving = False  # whether what is drawn now is a frame in motion
         self._finished: Exact | str | None = None
@@ -106,6 +107,13 @@ class ExactRenderer:
             only_moved = request and before and request.moves_on_from(before)
             if not (self._moving and only_moved):
                 self._cancel.set()
+            self._changed.notify()
+
+    def rest(self, request: Request | None) -> None:
+        """Draw this, and refine it without waiting whether there is another request: the motion has ended."""
+        self.show(request)
+        with self._changed:
+            self._rested = self._number
             self._changed.notify()
 
     def latest(self) -> Exact | str | None:
@@ -141,7 +149,9 @@ class ExactRenderer:
         for step in self._steps():
             with self._changed:
                 if moved:
-                    self._changed.wait_for(lambda: self._stopped or self._number != number, REST_SECONDS)
+                    self._changed.wait_for(
+                        lambda: self._stopped or number != self._number or number == self._rested, REST_SECONDS
+                    )
                 moved = step.moving
                 if self._stopped or self._number != number:
                     return

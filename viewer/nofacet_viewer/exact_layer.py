@@ -86,7 +86,7 @@ class ExactLayer:
         own = {"face_colors": palette.faces.texture, "ramp": palette.ramp, "frame_color": self.picture(background)}
         bind(target, **{name: texture for name, texture in {**own, **values}.items() if texture})
         self._context.enable_only(moderngl.NOTHING)
-        shader.render(moderngl.TRIANGLES, vertices=3)
+        shader.render(moderngl.TRIANGLES, vertices=6)
         framebuffer.release()
         return picture
 

@@ -72,6 +72,11 @@ class Loader:
             self._cancel = self.path = None
             self._loaded.clear()
 
+    @property
+    def awaited(self) -> bool:
+        """Whether what is being read is still to be shown."""
+        return self.path is not None and not self.measured
+
     def poll(self) -> Loaded | None:
         """What has been read since the last call."""
         with self._lock:

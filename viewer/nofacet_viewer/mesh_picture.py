@@ -125,4 +125,4 @@ class MeshPicture:
         self._context.enable_only(moderngl.NOTHING)
         set_uniforms(self._encode, from_bottom=row, background=self._background)
         bind(self._encode, picture=source.texture)
-        self._encoded.render(moderngl.TRIANGLES, vertices=3)
+        self._encoded.render(moderngl.TRIANGLES, vertices=6)

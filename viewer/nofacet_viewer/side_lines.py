@@ -53,7 +53,7 @@ class SideLines:
             self._context.enable_only(moderngl.BLEND)
             self._context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
             bind(self._copy, picture=one.texture)
-            self._copied.render(moderngl.TRIANGLES, vertices=3)
+            self._copied.render(moderngl.TRIANGLES, vertices=6)
         return whole.texture
 
     def release(self) -> None:

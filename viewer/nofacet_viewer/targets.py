@@ -6,6 +6,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from .opengl import GL
+
 SAMPLES = 4  # a pixel of the tessellated side, where the card can do it
 BACKGROUND_DEPTH = 1e30  # stands for infinity, which some cards do not clear to
 
@@ -13,8 +15,16 @@ BACKGROUND_DEPTH = 1e30  # stands for infinity, which some cards do not clear to
 def picture_texture(
     context: moderngl.Context, size: tuple[int, int], pixels: NDArray[np.uint8] | None = None
 ) -> moderngl.Texture:
-    """A picture as it will be seen: opaque 8-bit sRGB. pixels: (height, width, 4), row 0 is the texture's."""
-    texture = context.texture(size, 4, pixels)
+    """A picture as it will be seen: opaque 8-bit sRGB. pixels: (height, width, 4), row 0 is the texture's.
+
+    Its memory has the order of bytes that screens have: where a processor draws, a picture is shown in a third of the
+    time then.
+    """
+    texture = context.texture(size, 4)
+    GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
+    GL.glTexImage2D(GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, *size, 0, GL.GL_BGRA, GL.GL_UNSIGNED_BYTE, None)
+    if pixels is not None:
+        texture.write(pixels)
     texture.repeat_x = texture.repeat_y = False
     return texture
 

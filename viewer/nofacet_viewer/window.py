@@ -8,16 +8,16 @@ from typing import Any, Protocol
 import glfw
 import moderngl
 import numpy as np
-import OpenGL
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from nofacet import InputError
 
+from . import opengl  # noqa: F401  # sets up what the back end calls
 from .controls import Button, Point
 from .keymap import KEYS
 
-OpenGL.ERROR_CHECKING = OpenGL.ERROR_LOGGING = False  # a question to the driver after each of the back end's calls
+# isort: split
 from imgui_bundle.python_backends.glfw_backend import GlfwRenderer  # noqa: E402
 
 Paint = Callable[[moderngl.Framebuffer], None]  # draws into its lower left corner, as large as the window
@@ -73,6 +73,7 @@ class Window:
         self.resized = True  # since the caller has set it to False
         self._input: Input | None = None
         self._at: Point = (0.0, 0.0)  # the cursor as of the last event: asking glfw gives where it is by now
+        self._moved_to: Point | None = None  # in screen coordinates, while the receiver does not know of it
 
     def attach(self, receiver: Input) -> None:
         """Tell `receiver` of all input from now on."""
@@ -106,11 +107,16 @@ class Window:
         glfw.set_window_title(self._handle, title)
 
     def wait(self, seconds: float) -> None:
-        """Handle the input that there is; without any, wait for some, or for wake(), at most so long."""
+        """Handle the input that there is; without any, wait for some, or for wake(), at most so long.
+
+        Of the mouse's motions the receiver is told where they have led to: mice report more of them than pictures can
+        show.
+        """
         if seconds > 0:
             glfw.wait_events_timeout(seconds)
         else:
             glfw.poll_events()
+        self._tell_motion()
 
     @staticmethod
     def wake() -> None:
@@ -158,13 +164,25 @@ class Window:
         width, height = self.size
         return x * width / max(wide, 1), y * height / max(high, 1)
 
+    def _tell_motion(self) -> None:
+        """Of the mouse, since the last time: before any other input, and after the last."""
+        if self._moved_to is None:
+            return
+        (x, y), self._moved_to = self._moved_to, None
+        imgui.get_io().add_mouse_pos_event(x, y)
+        self._at = self._position(x, y)
+        if self._input:
+            self._input.on_move(self._at)
+
     def _on_key(self, window: Any, code: int, scancode: int, action: int, bits: int) -> None:
+        self._tell_motion()
         self._gui.keyboard_callback(window, code, scancode, action, bits)
         name = KEY_NAMES.get(code)
         if self._input and name and action != glfw.RELEASE and not imgui.get_io().want_text_input:
             self._input.on_key(name, _modifiers(bits))
 
     def _on_button(self, _: Any, code: int, action: int, bits: int) -> None:
+        self._tell_motion()
         imgui.get_io().add_mouse_button_event(code, action == glfw.PRESS)
         button = BUTTONS.get(code)
         if self._input is None or button is None:
@@ -175,12 +193,10 @@ class Window:
             self._input.on_press(button, self._at, _modifiers(bits))
 
     def _on_cursor(self, _: Any, x: float, y: float) -> None:
-        imgui.get_io().add_mouse_pos_event(x, y)
-        self._at = self._position(x, y)
-        if self._input:
-            self._input.on_move(self._at)
+        self._moved_to = x, y
 
     def _on_scroll(self, window: Any, x: float, y: float) -> None:
+        self._tell_motion()
         imgui.get_io().add_mouse_wheel_event(x, y)
         if self._input and not imgui.get_io().want_capture_mouse:
             self._input.on_wheel(y, _held_modifiers(window))
@@ -206,7 +222,8 @@ def _open(title: str, size: tuple[int, int]) -> Any:
             (glfw.CONTEXT_VERSION_MINOR, OPENGL_VERSION[1]),
             (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
             (glfw.OPENGL_FORWARD_COMPAT, True),
-            (glfw.DEPTH_BITS, 0),
+            (glfw.DEPTH_BITS, 0),  # nothing here needs them, and a processor that draws would clear them every time
+            (glfw.STENCIL_BITS, 0),
         ):
             glfw.window_hint(hint, value)
         handle = glfw.create_window(*size, title, None, None)

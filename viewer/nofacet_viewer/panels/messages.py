@@ -17,7 +17,7 @@ BAR = (420.0, 0.0)
 def show_progress(session: Session, size: tuple[float, float]) -> None:
     """A bar while a file is read that is not shown yet, with a button that cancels it."""
     loader = session.loader
-    if loader.path is None or loader.measured:
+    if loader.path is None or not loader.awaited:
         return
     with panel("reading", (size[0] / 2, size[1] / 2), (0.5, 0.5)):
         elapsed = time.monotonic() - loader.started

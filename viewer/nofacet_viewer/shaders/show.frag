@@ -1,9 +1,8 @@
 #version 330 core
-// A finished picture.
-uniform sampler2D picture;  // sRGB
-uniform bool top_first;     // row 0 of the picture is its top
+// A finished picture, and no more than that: see show.vert.
+uniform sampler2D picture;  // sRGB, opaque
 in vec2 at;
 out vec4 color;
 void main() {
-    color = vec4(texture(picture, top_first ? vec2(at.x, 1.0 - at.y) : at).rgb, 1.0);
+    color = texture(picture, at);
 }
