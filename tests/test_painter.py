@@ -244,6 +244,19 @@ def test_frame_of_lower_resolution_fills_its_pane(painter: Painter, context: Any
     assert np.abs(pictures[0] - pictures[1])[40:-40, 60:-60].max() <= 3
 
 
+def test_edges_of_triangles_are_hidden_by_them_whatever_the_deflection(painter: Painter, context: Any) -> None:
+    content = box().faces(">Z").workplane().rect(2, 1.5).cutBlind(-0.1)
+    model = nofacet.load(content)
+    camera = nofacet.Camera.fit(model, (-0.6, 0.5, -0.3), resolution=SIZE)
+    pictures = []
+    for deflection in (1e-3, 1.0):
+        mesh = nofacet.tessellate(content, nofacet.MeshSetting("flat faces anyway", deflection))
+        fill(painter, model, mesh, camera, state(View.TESSELLATED))
+        pictures.append(painted(painter, context, state(View.TESSELLATED, "edges"), camera))
+    assert (pictures[0] != painted(painter, context, state(View.TESSELLATED), camera)).any()
+    assert (pictures[0] == pictures[1]).all()
+
+
 # --- the difference ---
 
 

@@ -266,10 +266,8 @@ def test_an_open_shell_shows_no_cap_and_says_so() -> None:
 def test_an_open_shell_says_so_however_the_plane_is_seen(normal: tuple[float, float, float], method: str) -> None:
     """The first three planes are seen edge-on, the second one along the picture's rows; so are most of the faces."""
     box = cq.Workplane().box(10, 10, 10).faces(">Z or |X or |Y").vals()
-    shell, tube = (
-        cq.Shell.makeShell(box),
-        cq.Workplane(origin=(0, 0, -5)).circle(5).extrude(10).faces("%CYLINDER").val(),
-    )
+    shell = cq.Shell.makeShell(box)
+    tube = cq.Workplane(origin=(0, 0, -5)).circle(5).extrude(10).faces("%CYLINDER").val()
     for source, faces in ((shell, "faces 0 to 4"), (tube, "face 0")):
         model = nofacet.load(source)
         expected = [f"{faces}: not a closed volume, so section planes show no cap there"]
