@@ -153,7 +153,7 @@ def test_orthographic_fit_touches_the_border(direction: tuple[float, float, floa
     resolution = (400, 200) if wide else (200, 400)
     camera = Camera.fit(model, direction, resolution=resolution, zoom=1.0)
     assert camera.view_height == pytest.approx(2 * scale if wide else 4 * scale, rel=0.08)  # sampled: slightly too near
-    pixels = project(camera, resolution, surface_points(model))
+    pixels = project(camera, resolution, surface_points(model)[0])
     assert pixels.min() > -1e-6 and (pixels.max(axis=0) < np.array(resolution) + 1e-6).all()
 
 
@@ -168,7 +168,7 @@ def test_perspective_fit_touches_the_border(
     model = model_of([sphere_group(2.0, (3, -2, 5))])
     resolution = (400, 200) if wide else (200, 400)
     camera = Camera.fit(model, direction, "perspective", resolution, view_angle=view_angle, zoom=1.0)
-    pixels = project(camera, resolution, surface_points(model))
+    pixels = project(camera, resolution, surface_points(model)[0])
     assert camera.view_angle == view_angle
     assert pixels.min() > -1e-6 and (pixels.max(axis=0) < np.array(resolution) + 1e-6).all()
     border = np.concatenate([pixels, np.array(resolution) - pixels]).min(axis=0)
@@ -230,7 +230,7 @@ def test_extent_follows_the_trim_loops() -> None:
 
     window = np.array([[0.5, 0.2], [1.0, 0.2], [1.0, 0.6], [0.5, 0.6]])
     cut = model_of([sphere_group()], {0: [window]})
-    points = surface_points(cut)
+    points, _ = surface_points(cut)
     longitude, latitude = np.arctan2(points[:, 1], points[:, 0]), np.arcsin(points[:, 2])
     np.testing.assert_allclose([longitude.min(), longitude.max()], [0.5, 1.0], atol=1e-9)
     np.testing.assert_allclose([latitude.min(), latitude.max()], [0.2, 0.6], atol=1e-9)

@@ -261,6 +261,23 @@ def test_an_open_shell_shows_no_cap_and_says_so() -> None:
     assert far.stats["warnings"] == []
 
 
+@pytest.mark.parametrize("method", nofacet.methods())
+@pytest.mark.parametrize("normal", [(1, 0, 0), (0, 1, 0), (1, 2, 0), (0, 0, 1)])
+def test_an_open_shell_says_so_however_the_plane_is_seen(normal: tuple[float, float, float], method: str) -> None:
+    """The first three planes are seen edge-on, the second one along the picture's rows; so are most of the faces."""
+    box = cq.Workplane().box(10, 10, 10).faces(">Z or |X or |Y").vals()
+    shell = cq.Shell.makeShell(box)
+    tube = cq.Workplane(origin=(0, 0, -5)).circle(5).extrude(10).faces("%CYLINDER").val()
+    for source, faces in ((shell, "faces 0 to 4"), (tube, "face 0")):
+        model = nofacet.load(source)
+        expected = [f"{faces}: not a closed volume, so section planes show no cap there"]
+        for offset, warnings in ((0, expected), (9, [])):
+            origin = tuple(offset * np.array(normal))
+            frame = nofacet.render(model, look_down(12), (30, 20), method, 1, buffers=("face",),
+                                   sections=[Section(origin, normal)])  # fmt: skip
+            assert frame.stats["warnings"] == warnings
+
+
 def test_a_model_without_bodies_is_cut_open() -> None:
     model = model_of([rectangle_group(np.array([[[-1, -1, -1], [-1, 1, -1]], [[1, -1, 1], [1, 1, 1]]]))])
     frame = nofacet.render(model, look_down(3), (30, 30), buffers=("coverage",), samples=8,

@@ -8,9 +8,15 @@ from pathlib import Path
 import cadquery as cq
 import numpy as np
 import pytest
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.BRepTools import BRepTools
+from OCP.IMeshTools import IMeshTools_Parameters
 
 import nofacet
+from nofacet.cad.tessellate import box_sides
+from nofacet.tessellation import read_shape
 from scenes import look_down
+from surface_distance import F3D_TEAPOT, FREECAD_FLANGE, MESHER_CHECKS, lattice, meshed_triangles, triangles_of
 
 pytest.importorskip("moderngl")
 
@@ -41,6 +47,39 @@ def test_deflection_in_pixels() -> None:
     assert nofacet.MeshSetting.in_pixels(1.0, near, (400, 200)).deflection == pytest.approx(0.05)
     with pytest.raises(ValueError, match="positive"):
         nofacet.MeshSetting.in_pixels(0.0, near, (400, 200))
+
+
+def test_mesher_checks_free_form_faces_at_few_points() -> None:
+    """BRepMesh splits a triangle whose sides' middles or centroid are too far from the surface, and looks nowhere else.
+
+    Faces 8 to 11 of the teapot are quarters of one belt. As F3D meshes it, an inner edge between the belt's two borders
+    is farthest from the surface at three eighths of its length.
+    """
+    source, setting = "cad_models/teapot.step", nofacet.MESH_SETTINGS["F3D"]
+    model, triangles = nofacet.load(source), triangles_of(source, setting).of_faces(range(8, 12))
+    assert triangles.distances(model, MESHER_CHECKS).max() < 0.97 * setting.deflection
+    everywhere = triangles.distances(model, lattice(16)).max(axis=1)
+    assert 1.03 * setting.deflection < everywhere.max() < F3D_TEAPOT * setting.deflection
+    assert set(triangles.face[everywhere > setting.deflection]) == {8, 9, 10, 11}
+
+
+def test_mesher_does_not_check_tori() -> None:
+    """BRepMesh places points on spheres, cylinders, cones and tori by their radii and then looks at no triangle, unless
+    it is told to (EnableControlSurfaceDeflectionAllSurfaces), which no viewer does by default. On the flange's fillets
+    triangles run from border to border and miss the torus at the very places where it looks elsewhere."""
+    shape = read_shape("cad_models/flange.step")
+    model, setting = nofacet.load(shape), nofacet.MESH_SETTINGS["FreeCAD"].for_box(box_sides(shape))
+    nofacet.tessellate(shape, setting)
+    fillet = meshed_triangles(shape).of_faces([5])
+    assert model.surface_type[model.face_definition[5]] == "torus"
+    excess = fillet.distances(model, lattice(16)).max() / setting.deflection
+    assert 1.58 < fillet.distances(model, MESHER_CHECKS).max() / setting.deflection <= excess < FREECAD_FLANGE
+    parameters = IMeshTools_Parameters()
+    parameters.Deflection, parameters.Angle = setting.deflection, setting.angle
+    parameters.EnableControlSurfaceDeflectionAllSurfaces = True
+    BRepTools.Clean_s(shape)
+    BRepMesh_IncrementalMesh(shape, parameters)
+    assert meshed_triangles(shape).of_faces([5]).distances(model, lattice(16)).max() < setting.deflection
 
 
 def test_normals_are_the_surfaces_and_point_outwards() -> None:

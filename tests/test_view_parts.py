@@ -95,6 +95,10 @@ def test_scales() -> None:
     assert log.ticks()[0] == (0, "1e-14")
     assert [rounded_up(value) for value in (0.011, 1.0, 2.1, 7.0)] == pytest.approx([0.02, 1.0, 5.0, 10.0])
     assert outline_scale(0.0).high == 0.01
+    root = outline_scale(6.5)
+    assert root.ticks() == [(0, "-10"), (0.25, "-2.5"), (0.5, "0"), (0.75, "2.5"), (1, "10")]
+    assert root.color([-20, -2.5, 0, 2.5, 10]) == pytest.approx(np.array(DIVERGING))
+    assert root.ramp()[[0, -1]] == pytest.approx(root.color([-10, 10]))
 
 
 def test_figures_say_what_was_not_measured(sphere: nofacet.Model) -> None:

@@ -28,15 +28,15 @@ def support(model: Model, directions: ArrayLike) -> Points:
     return reach
 
 
-def surface_points(model: Model) -> Points:
-    """The samples: world points (N, 3) on the drawn part of every placed face, model units."""
+def surface_points(model: Model) -> tuple[Points, NDArray[np.int32]]:
+    """The samples: world points (N, 3) on the drawn part of every placed face, model units, and whose they are (N,)."""
     points, first = _native.surface_points(model)
     count = np.diff(first)[model.face_definition]
-    face = np.repeat(np.arange(model.face_count), count)
+    face = np.repeat(np.arange(model.face_count, dtype=np.int32), count)
     within = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
     placement = model.placements[model.face_placement[face]]
     local = points[first[model.face_definition[face]] + within]
-    return np.einsum("nij,nj->ni", placement[:, :3, :3], local) + placement[:, :3, 3]
+    return np.einsum("nij,nj->ni", placement[:, :3, :3], local) + placement[:, :3, 3], face
 
 
 def bounding_box(model: Model) -> tuple[Points, Points]:

@@ -96,7 +96,7 @@ def render(
     if stats.pop("cancelled"):
         raise Cancelled("the frame was called off")
     if sections:
-        stats["warnings"] = uncapped_warnings(model, stats.pop("uncapped_faces"))
+        stats["warnings"] = uncapped_warnings(model, sections, stats.pop("uncapped_faces"))
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
 
 

@@ -19,7 +19,8 @@ NO_VALUE = (0.3, 0.3, 0.3)  # of what has no number
 class ColorScale:
     """What colours mean: `title` in `unit`, from `low` to `high`.
 
-    log: equal steps of colour are equal ratios. colors: linear RGB at equal distances from low to high.
+    log: equal steps of colour are equal ratios. root: they are equal steps of the value's square root, with its sign,
+    so that small values differ from 0 (low is -high). colors: linear RGB at equal distances from low to high.
     """
 
     title: str
@@ -28,24 +29,29 @@ class ColorScale:
     high: float
     colors: tuple[tuple[float, float, float], ...]
     log: bool = False
+    root: bool = False
 
     def color(self, values: ArrayLike) -> NDArray[np.float32]:
         """Linear RGB (..., 3) of values (...); NaN is gray, what lies outside has the end's colour."""
-        value = np.asarray(values, np.float64)
-        low, high = self.low, self.high
-        if self.log:
-            value, low, high = np.log(np.maximum(value, self.low)), np.log(low), np.log(high)
-        place = np.clip((value - low) / (high - low), 0, 1) * (len(self.colors) - 1)
-        known = np.nan_to_num(place)
-        ramp = np.array(self.colors)
-        rgb = np.stack([np.interp(known, np.arange(len(ramp)), ramp[:, c]) for c in range(3)], axis=-1)
-        return np.where(np.isnan(place)[..., None], NO_VALUE, rgb).astype(np.float32)
+        value, low, high = (self._evenly(np.asarray(x, np.float64)) for x in (values, self.low, self.high))
+        place = (value - low) / (high - low)
+        return np.where(np.isnan(place)[..., None], NO_VALUE, self._at(np.nan_to_num(place))).astype(np.float32)
 
     def ramp(self) -> NDArray[np.float32]:
         """Linear RGB (STEPS, 3) from low to high."""
+        return self._at(np.linspace(0, 1, STEPS)).astype(np.float32)
+
+    def _evenly(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What equal steps of colour are equal steps of."""
         if self.log:
-            return self.color(np.geomspace(self.low, self.high, STEPS))
-        return self.color(np.linspace(self.low, self.high, STEPS))
+            return np.log(np.maximum(values, self.low))
+        return np.sign(values) * np.sqrt(np.abs(values)) if self.root else values
+
+    def _at(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Linear RGB (..., 3) at places along the ramp, from 0 to 1."""
+        ramp = np.array(self.colors)
+        ends = np.linspace(0, 1, len(ramp))
+        return np.stack([np.interp(place, ends, ramp[:, c]) for c in range(3)], axis=-1)
 
     def ticks(self) -> list[tuple[float, str]]:
         """Places along the ramp, from 0 to 1, and what to write there."""
@@ -55,6 +61,9 @@ class ColorScale:
             shown = list(exponents)[::step]
             span = max(1, len(exponents) - 1)
             return [((exponent - exponents[0]) / span, f"1e{exponent}") for exponent in shown]
+        if self.root:
+            shares = np.linspace(-1, 1, 5)
+            return [(0.5 + share / 2, f"{self.high * share * abs(share):g}") for share in shares]
         values = np.linspace(self.low, self.high, 5)
         return [(k / 4, f"{value:g}") for k, value in enumerate(values)]
 
@@ -68,7 +77,7 @@ def rounded_up(value: float) -> float:
 def outline_scale(largest: float) -> ColorScale:
     """For signed outline errors of at most `largest` pixels."""
     end = rounded_up(max(largest, 0.01))
-    return ColorScale("outline, drawn beyond exact", "px", -end, end, DIVERGING)
+    return ColorScale("outline, drawn beyond exact", "px", -end, end, DIVERGING, root=True)
 
 
 def curvature_scale(size: float) -> ColorScale:

@@ -11,7 +11,7 @@ import nofacet
 
 from .line_layer import DepthPicture
 from .line_overlays import LineOverlays
-from .overlays import LINE_STYLES
+from .overlays import EXACT_LINES, LINE_STYLES
 from .programs import bind, program
 from .projection import pixel_size, project
 from .targets import ColorTarget
@@ -34,7 +34,7 @@ class SideLines:
         self, names: list[str], camera: nofacet.Camera, size: Size, surface: DepthPicture, off_surface: float
     ) -> moderngl.Texture:
         """Linear RGBA with premultiplied alpha, row 0 at the bottom. off_surface: how far what hides the lines may be
-        off the surfaces that they lie on, model units."""
+        off the exact surfaces, model units; the mesh's own lines lie on its triangles."""
         layers = {name: self._overlays.layer(name, _smallest_pixel(camera, size)) for name in names}
         one, whole = self._sized(size)
         key = layers, camera, size, surface, off_surface
@@ -46,7 +46,8 @@ class SideLines:
             if layer is None or not layer.count:
                 continue
             projection = project(camera, size, layer.center, layer.bounds)
-            slack = pixel_size(camera, size, max(projection.depth_range[0], 0.0)) / 2 + off_surface
+            slack = pixel_size(camera, size, max(projection.depth_range[0], 0.0)) / 2
+            slack += off_surface if name in EXACT_LINES else 0.0
             one.begin()
             layer.draw(projection, size, LINE_STYLES[name], surface, slack)
             whole.use()

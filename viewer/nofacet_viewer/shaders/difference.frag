@@ -25,6 +25,7 @@ void main() {
         if (exact != drawn) rgb = OTHER_FACE;
     }
     vec2 found = texelFetch(error, ivec2(from_top * vec2(textureSize(error, 0))), 0).rg;
-    if (found.g > 0.0) rgb = texture(ramp, vec2(0.5 + 0.5 * found.r / ramp_end, 0.5)).rgb;
+    float place = sign(found.r) * sqrt(abs(found.r) / ramp_end);  // as ColorScale.root has it
+    if (found.g > 0.0) rgb = texture(ramp, vec2(0.5 + 0.5 * place, 0.5)).rgb;
     color = vec4(srgb(rgb), 1.0);
 }
