@@ -5,61 +5,6 @@
 
 namespace nofacet {
 
-namespace {
-
-// Degrees known at compile time let the compiler unroll; -1 means read from the net.
-template <int N, int M>
-Jet evaluate_degrees(const Net& net, double a, double b) {
-  const int n = N >= 0 ? N : net.n, m = M >= 0 ? M : net.m;
-  double ba[kMaxDegree + 1], da[kMaxDegree + 1], bb[kMaxDegree + 1], db[kMaxDegree + 1];
-  bernstein_basis(n, a, ba, da);
-  bernstein_basis(m, b, bb, db);
-  Jet jet{};
-  const double* p = net.points;
-  for (int i = 0; i <= n; ++i) {
-    double row[4] = {0, 0, 0, 0}, slope[4] = {0, 0, 0, 0};
-    for (int j = 0; j <= m; ++j, p += 4) {
-      for (int c = 0; c < 4; ++c) {
-        row[c] += bb[j] * p[c];
-        slope[c] += db[j] * p[c];
-      }
-    }
-    for (int c = 0; c < 4; ++c) {
-      jet.p[c] += ba[i] * row[c];
-      jet.pa[c] += da[i] * row[c];
-      jet.pb[c] += ba[i] * slope[c];
-    }
-  }
-  return jet;
-}
-
-}  // namespace
-
-Jet evaluate(const Net& net, double a, double b) {
-  switch (net.n * 64 + net.m) {
-    case 1 * 64 + 1:
-      return evaluate_degrees<1, 1>(net, a, b);
-    case 1 * 64 + 2:
-      return evaluate_degrees<1, 2>(net, a, b);
-    case 1 * 64 + 3:
-      return evaluate_degrees<1, 3>(net, a, b);
-    case 2 * 64 + 1:
-      return evaluate_degrees<2, 1>(net, a, b);
-    case 2 * 64 + 2:
-      return evaluate_degrees<2, 2>(net, a, b);
-    case 2 * 64 + 3:
-      return evaluate_degrees<2, 3>(net, a, b);
-    case 3 * 64 + 1:
-      return evaluate_degrees<3, 1>(net, a, b);
-    case 3 * 64 + 2:
-      return evaluate_degrees<3, 2>(net, a, b);
-    case 3 * 64 + 3:
-      return evaluate_degrees<3, 3>(net, a, b);
-    default:
-      return evaluate_degrees<-1, -1>(net, a, b);
-  }
-}
-
 void evaluate_mixed(const Net& net, double a, double b, double mixed[4]) {
   double ba[kMaxDegree + 1], da[kMaxDegree + 1], bb[kMaxDegree + 1], db[kMaxDegree + 1];
   bernstein_basis(net.n, a, ba, da);

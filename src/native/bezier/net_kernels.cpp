@@ -1,4 +1,5 @@
-// Halving nets and bounding their derivatives, compiled once for every instruction set that Highway knows of.
+// Evaluating nets, halving them and bounding their derivatives, compiled once for every instruction set that Highway
+// knows of.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bezier/net_kernels.cpp"
 #include <algorithm>
@@ -110,6 +111,31 @@ void Differences(const Net& net, DifferenceRanges& out) {
   }
 }
 
+void Evaluate(const Net& net, double a, double b, Jet& jet) {
+  const Four d;
+  double in_a[kMaxDegree + 1], by_a[kMaxDegree + 1], in_b[kMaxDegree + 1], by_b[kMaxDegree + 1];
+  bernstein_basis(net.n, a, in_a, by_a);
+  bernstein_basis(net.m, b, in_b, by_b);
+  for (std::size_t part = 0; part < 4; part += hn::Lanes(d)) {
+    const double* point = net.points + part;
+    V p = hn::Zero(d), pa = p, pb = p;
+    for (int i = 0; i <= net.n; ++i) {
+      V row = hn::Zero(d), slope = row;
+      for (int j = 0; j <= net.m; ++j, point += 4) {
+        const V q = hn::LoadU(d, point);
+        row = hn::MulAdd(hn::Set(d, in_b[j]), q, row);
+        slope = hn::MulAdd(hn::Set(d, by_b[j]), q, slope);
+      }
+      p = hn::MulAdd(hn::Set(d, in_a[i]), row, p);
+      pa = hn::MulAdd(hn::Set(d, by_a[i]), row, pa);
+      pb = hn::MulAdd(hn::Set(d, in_a[i]), slope, pb);
+    }
+    hn::StoreU(p, d, jet.p + part);
+    hn::StoreU(pa, d, jet.pa + part);
+    hn::StoreU(pb, d, jet.pb + part);
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace nofacet
@@ -121,6 +147,13 @@ namespace nofacet {
 HWY_EXPORT(Halve);
 HWY_EXPORT(Ratios);
 HWY_EXPORT(Differences);
+HWY_EXPORT(Evaluate);
+
+Jet evaluate(const Net& net, double a, double b) {
+  Jet jet;
+  HWY_DYNAMIC_DISPATCH(Evaluate)(net, a, b, jet);
+  return jet;
+}
 
 void halve(const double* in, int n, int m, int components, bool along_a, double* left, double* right) {
   HWY_DYNAMIC_DISPATCH(Halve)(in, n, m, components, along_a, left, right);

@@ -29,7 +29,7 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
   std::optional<Sections> sections;
   if (!options.sections.empty()) sections.emplace(scene, camera, planes, options.sections, options.threads);
   FramePatches patches(scene, camera, planes, options.threads, sections ? &*sections : nullptr);
-  const auto bands = sort_into_bands(patches.patches(), frame.height);
+  const auto bands = sort_into_bands(patches.patches(), planes);
   watch.lap(stats.project_seconds);
 
   std::deque<BandPainter> painters;
@@ -37,8 +37,8 @@ RenderStats render_bezier_clip_scanline(const Scene& scene, const Camera& camera
     painters.emplace_back(scene, camera, planes, patches, sections ? &*sections : nullptr, k, frame);
   }
   const auto paint = [&](std::size_t band, int thread) {
-    const int first = int(band) * kBandRows;
-    painters[thread].paint(first, std::min(frame.height, first + kBandRows), bands[band]);
+    const int first = int(band) * planes.band_rows();
+    painters[thread].paint(first, std::min(frame.height, first + planes.band_rows()), bands[band]);
   };
   parallel_for(bands.size(), options.threads, paint, options.cancel);
   stats.pieces = patches.piece_count();

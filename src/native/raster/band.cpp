@@ -117,8 +117,10 @@ void BandPainter::cut_patches() {
 }
 
 void BandPainter::cut_piece(const Piece& piece, bool sectioned) {
-  const auto [first, last] = planes_in(piece.y);
-  if (first == last || hidden(piece.x, piece.key.lo, first, last)) return;
+  auto [first, last] = planes_in(piece.y);
+  while (first < last && hidden(piece.x, piece.key.lo, first, first + 1)) ++first;
+  while (first < last && hidden(piece.x, piece.key.lo, last - 1, last)) --last;
+  if (first == last) return;
   watch_.lap(times_.visibility);
   made_.clear();
   maker_.append(piece, plane_y_.data() + first, last - first, first, camera_.width, made_);
@@ -129,7 +131,7 @@ void BandPainter::cut_piece(const Piece& piece, bool sectioned) {
 
 // Cuts the planes y[0] .. y[count - 1] by the section planes and hands the caps to their lines.
 void BandPainter::insert_caps(const double* y, int count, ScanLine* lines) {
-  cuts_->cut(first_row_ / kBandRows, y, count);
+  cuts_->cut(first_row_ / planes_.band_rows(), y, count);
   for (const CapSpans& cap : cuts_->caps()) {
     made_.assign(cap.first, cap.last);
     insert_spans(*cap.first->piece, lines);
@@ -155,19 +157,20 @@ bool BandPainter::hidden(Interval x, double nearest, int first, int last) const 
 // Hands the spans just made to their lines.
 void BandPainter::insert_spans(const Piece& piece, ScanLine* lines) {
   if (made_.empty()) return;
-  ++order_;
-  Span* kept = spans_.take(made_.size());
-  std::copy(made_.begin(), made_.end(), kept);
   const bool opaque = scene_.color(piece.face)[3] >= 1.0f;
-  for (Span *span = kept, *end = kept + made_.size(); span != end; ++span) {
-    span->order = order_ - 1;
-    ScanLine& line = lines[span->plane];
+  for (Span& span : made_) {
+    span.order = order_;
+    ScanLine& line = lines[span.plane];
+    if (opaque && visibility_.hidden(span, line.segments)) continue;
+    Span* kept = spans_.take(1);
+    *kept = span;
     if (opaque) {
-      visibility_.insert(*span, line.segments);
+      visibility_.insert(*kept, line.segments);
     } else {
-      line.transparent.push_back(span);
+      line.transparent.push_back(kept);
     }
   }
+  ++order_;
 }
 
 // What is visible at the row's centre plane, transparent or not.

@@ -27,7 +27,7 @@ class BandPainter {
   BandPainter(const Scene& scene, const Camera& camera, const ScanPlanes& planes, FramePatches& patches,
               Sections* sections, int thread, const Frame& frame);
 
-  // Draws the rows [first_row, end_row), a band of kBandRows or the last one. `patches`: indices of those whose y range
+  // Draws the rows [first_row, end_row), a band of them. `patches`: indices of those whose y range
   // may meet them, in a fixed order, best nearest first.
   void paint(int first_row, int end_row, const std::vector<int32_t>& patches);
   const BandTimes& times() const { return times_; }
@@ -72,7 +72,7 @@ class BandPainter {
   std::vector<ScanLine> lines_;  // of these planes
   Arena<Span> spans_;
   std::vector<Span> made_;
-  int32_t order_ = 0;  // of the last piece inserted
+  int32_t order_ = 0;  // of the next piece inserted
   std::vector<VisibleSegment> front_;
 
   std::vector<PixelJob> jobs_, sorted_;

@@ -63,58 +63,61 @@ const std::vector<CutArc>& PieceCutter::cut(const Piece& piece, const double* y,
   return arcs_;
 }
 
-// Each border meets a plane at most once, so the four corners tell on which two borders a cut begins and ends.
+// Each border meets a plane at most once, so the four corners tell on which two borders a cut begins and ends. The
+// planes come in order of y: at each end, a = 0 and a = 1, the cuts of the first ones lie on one of the borders b = 0
+// and b = 1, those of the next ones on the end itself and the others' on the opposite border.
 void PieceCutter::cut_at_borders(const Piece& piece, const double* y, int count) {
   const Net& net = piece.net;
-  const double sign = piece.rising ? 1.0 : -1.0;
-  const auto corner = [&](int i, int j) { return sign * net.at(i, j)[kY] / net.at(i, j)[kW]; };
-  const double low[2] = {corner(0, 0), corner(net.n, 0)}, high[2] = {corner(0, net.m), corner(net.n, net.m)};
-  const auto side = [&](double level, int end) {
-    return level > high[end] ? Side::above : level > low[end] ? Side::inside : Side::below;
-  };
-  // The border on which the cut ends: a = 0 or a = 1 (2 and 3), or b = 0 or b = 1 (0 and 1).
-  const auto border = [](Side s, int end) { return s == Side::inside ? 2 + end : s == Side::below ? 0 : 1; };
-  for (auto& list : planes_) list.clear();
-  for (int plane = 0; plane < count; ++plane) {
-    const double level = sign * y[plane];
-    const Side from = side(level, 0), to = side(level, 1);
-    if (from == to && from != Side::inside) continue;
-    arcs_.push_back({plane, {}, {}});
-    planes_[border(from, 0)].push_back(plane);
-    planes_[border(to, 1)].push_back(plane);
+  int reach[2], leave[2];  // the first plane whose cut ends on the end itself, and the first one after these
+  for (const int end : {0, 1}) {
+    const auto corner = [&](int j) {
+      const double* p = net.at(end * net.n, j);
+      return p[kY] / p[kW];
+    };
+    if (piece.rising) {
+      leave[end] = int(std::upper_bound(y, y + count, corner(net.m)) - y);
+      reach[end] = int(std::upper_bound(y, y + leave[end], corner(0)) - y);
+    } else {
+      reach[end] = int(std::lower_bound(y, y + count, corner(net.m)) - y);
+      leave[end] = int(std::lower_bound(y + reach[end], y + count, corner(0)) - y);
+    }
+    borders_[2 + end].first = reach[end], borders_[2 + end].last = leave[end];
   }
-  if (arcs_.empty()) return;
+  const double first_b = piece.rising ? 0.0 : 1.0;  // where the cuts of the first planes end
+  Border &first_border = borders_[piece.rising ? 0 : 1], &last_border = borders_[piece.rising ? 1 : 0];
+  first_border.first = std::min(reach[0], reach[1]), first_border.last = std::max(reach[0], reach[1]);
+  last_border.first = std::min(leave[0], leave[1]), last_border.last = std::max(leave[0], leave[1]);
+
   const std::size_t row = 4 * std::size_t(net.m + 1);
-  solve_border(net.at(0, 0), row, net.n, y, roots_[0], planes_[0]);
-  solve_border(net.at(0, net.m), row, net.n, y, roots_[1], planes_[1]);
-  solve_border(net.at(0, 0), 4, net.m, y, roots_[2], planes_[2]);
-  solve_border(net.at(net.n, 0), 4, net.m, y, roots_[3], planes_[3]);
-  int next[4] = {0, 0, 0, 0};
-  const auto take = [&](Side s, int end) -> CutPoint {
-    const int e = border(s, end), index = next[e]++;
-    const PlaneRoots& roots = roots_[e];
-    const double t = roots.a[index];
-    if (e >= 2) return {double(end), t, roots.x[index], roots.key[index]};
-    return {t, double(e), roots.x[index], roots.key[index]};
+  borders_[0].solve(net.at(0, 0), row, net.n, y);
+  borders_[1].solve(net.at(0, net.m), row, net.n, y);
+  borders_[2].solve(net.at(0, 0), 4, net.m, y);
+  borders_[3].solve(net.at(net.n, 0), 4, net.m, y);
+  const auto cut_end = [&](int plane, int end) -> CutPoint {
+    if (plane >= reach[end] && plane < leave[end]) {
+      const PlaneRoots& roots = borders_[2 + end].roots;
+      const int k = plane - reach[end];
+      return {double(end), roots.a[k], roots.x[k], roots.key[k]};
+    }
+    const bool first = plane < reach[end];
+    const Border& border = first ? first_border : last_border;
+    const int k = plane - border.first;
+    return {border.roots.a[k], first ? first_b : 1.0 - first_b, border.roots.x[k], border.roots.key[k]};
   };
-  std::size_t kept = 0;
-  for (CutArc& arc : arcs_) {
-    const double level = sign * y[arc.plane];
-    arc.from = take(side(level, 0), 0);
-    arc.to = take(side(level, 1), 1);
-    if (arc.from.a < arc.to.a) arcs_[kept++] = arc;
+  for (int plane = first_border.first; plane < last_border.last; ++plane) {
+    const CutPoint from = cut_end(plane, 0), to = cut_end(plane, 1);
+    if (from.a < to.a) arcs_.push_back({plane, from, to});
   }
-  arcs_.resize(kept);
 }
 
-void PieceCutter::solve_border(const double* points, std::size_t stride, int degree, const double* y, PlaneRoots& roots,
-                               const std::vector<int>& planes) {
-  if (planes.empty()) return;
-  roots.resize(planes.size());
-  for (std::size_t k = 0; k < planes.size(); ++k) roots.y[k] = y[planes[k]];
-  roots.pad(planes.size());
-  border_roots(points, stride, degree, planes.size(), roots);
-  for (std::size_t k = 0; k < planes.size(); ++k) {
+void PieceCutter::Border::solve(const double* points, std::size_t stride, int degree, const double* y) {
+  if (first >= last) return;
+  const std::size_t count = last - first;
+  roots.resize(count);
+  std::copy(y + first, y + last, roots.y.begin());
+  roots.pad(count);
+  border_roots(points, stride, degree, count, roots);
+  for (std::size_t k = 0; k < count; ++k) {
     if (roots.step[k] < kRootStep) continue;
     const double t = border_root(points, stride, degree, roots.y[k]);
     double basis[kMaxDegree + 1], p[4] = {0, 0, 0, 0};

@@ -27,17 +27,20 @@ class PieceCutter {
   const std::vector<CutArc>& cut(const Piece& piece, const double* y, int count);
 
  private:
-  enum class Side : unsigned char { below, inside, above };
-
   void cut_at_borders(const Piece& piece, const double* y, int count);
-  static void solve_border(const double* points, std::size_t stride, int degree, const double* y, PlaneRoots& roots,
-                           const std::vector<int>& planes);
   void split_at_folds(const Piece& piece, const double* y);
 
   std::vector<CutArc> arcs_;
-  // Borders b = 0, b = 1, a = 0 and a = 1: the planes that end there, their roots, and where a plane finds its own.
-  PlaneRoots roots_[4], folds_, to_folds_;
-  std::vector<int> planes_[4];
+  // A border that the planes [first, last) cross, and where they do.
+  struct Border {
+    int first = 0, last = 0;
+    PlaneRoots roots;
+
+    void solve(const double* points, std::size_t stride, int degree, const double* y);
+  };
+
+  Border borders_[4];  // b = 0, b = 1, a = 0 and a = 1
+  PlaneRoots folds_, to_folds_;
   std::vector<int> fold_arcs_;
   std::vector<CutArc> split_;
 };

@@ -30,11 +30,11 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
 
 }  // namespace
 
-std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, int rows) {
-  const int bands = (rows + kBandRows - 1) / kBandRows;
+std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, const ScanPlanes& planes) {
+  const int rows = planes.rows(), height = planes.band_rows(), bands = (rows + height - 1) / height;
   std::vector<std::vector<int32_t>> result(bands);
   const auto band_of = [&](double y) {
-    return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / kBandRows, 0, bands - 1);
+    return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / height, 0, bands - 1);
   };
   for (std::size_t k = 0; k < patches.size(); ++k) {
     const int last = band_of(patches[k].y.hi + 1.0);

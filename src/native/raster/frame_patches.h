@@ -22,9 +22,8 @@ struct PlacedPatch {
 
 class Sections;
 
-inline constexpr int kBandRows = 32;  // rows handed to a thread at a time
 // For each band of rows the patches whose y range meets it.
-std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, int rows);
+std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, const ScanPlanes& planes);
 
 class FramePatches {
  public:

@@ -119,6 +119,7 @@ void RowAverage::average_pixel(int row, int px, const std::vector<WeightedLine>&
   px_ = px;
   if (frame_.color) std::copy_n(frame_.color + 4 * at, 3, centre_rgb_);
   rgb_[0] = rgb_[1] = rgb_[2] = alpha_ = coverage_ = 0.0;
+  piece_colors_.clear();
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (veils_[k].empty()) {
       add_opaque(*lines[k].line, px, lines[k].weight);
@@ -195,28 +196,37 @@ const float* RowAverage::neighbour_color(const Piece& piece, int px, const float
   return segment != front_->end() && segment->x0 <= centre && segment->span->piece == &piece ? rgb : nullptr;
 }
 
-// The shade varies little from one pixel to the next on one piece: where the pixel's centre, or that of a neighbour in
-// the row, shows the same opaque surface its shade serves, else the fragment's own is evaluated (a transparent face may
-// show its front and its back in one pixel).
-void RowAverage::fragment_color(const Span& span, double x, float rgb[3]) const {
-  const float* color = scene_.color(span.piece->face);
-  if (color[3] >= 1.0f) {
-    const float* found = centre_face_ == span.piece->face ? centre_rgb_ : nullptr;
-    if (!found) {
-      found = neighbour_color(*span.piece, px_ - 1, before_px_ == px_ - 1 ? before_rgb_ : row_rgb_ + 4 * (px_ - 1));
-    }
-    if (!found) found = neighbour_color(*span.piece, px_ + 1, row_rgb_ + 4 * (px_ + 1));
-    if (found) {
-      std::copy_n(found, 3, rgb);
-      return;
+// What the pixel's centre, or that of a neighbour in the row, shows of the piece; null if none does.
+const float* RowAverage::centre_color(const Piece& piece) const {
+  if (centre_face_ == piece.face) return centre_rgb_;
+  const float* before = before_px_ == px_ - 1 ? before_rgb_ : row_rgb_ + 4 * (px_ - 1);
+  if (const float* found = neighbour_color(piece, px_ - 1, before)) return found;
+  return neighbour_color(piece, px_ + 1, row_rgb_ + 4 * (px_ + 1));
+}
+
+// The shade varies little from one pixel to the next on one piece: an opaque one has the shade of a centre in reach
+// that shows it, else of its first fragment in the pixel (a transparent face may show its front and its back in one
+// pixel).
+void RowAverage::fragment_color(const Span& span, double x, float rgb[3]) {
+  const Piece& piece = *span.piece;
+  const float* color = scene_.color(piece.face);
+  const bool opaque = color[3] >= 1.0f;
+  if (opaque) {
+    for (const PieceColor& known : piece_colors_) {
+      if (known.piece == &piece) return void(std::copy_n(known.rgb, 3, rgb));
     }
   }
-  const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
-  SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
-  solve_sample(span, x, span.y, &sample);
-  double n[3];
-  surface_normal(scene_, *span.piece, camera_, sample, n);
-  shade(camera_, sample, n, color, rgb);
+  if (const float* found = opaque ? centre_color(piece) : nullptr) {
+    std::copy_n(found, 3, rgb);
+  } else {
+    const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
+    SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
+    solve_sample(span, x, span.y, &sample);
+    double n[3];
+    surface_normal(scene_, piece, camera_, sample, n);
+    shade(camera_, sample, n, color, rgb);
+  }
+  if (opaque) piece_colors_.push_back({&piece, {rgb[0], rgb[1], rgb[2]}});
 }
 
 }  // namespace nofacet

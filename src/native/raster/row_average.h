@@ -38,7 +38,8 @@ class RowAverage {
   void add_opaque(const ScanLine& line, int px, double weight);
   void add_layers(const ScanLine& line, const std::vector<VisibleSegment>& veils, int px, double weight);
   void add_stack(double from, double to, double weight);
-  void fragment_color(const Span& span, double x, float rgb[3]) const;
+  void fragment_color(const Span& span, double x, float rgb[3]);
+  const float* centre_color(const Piece& piece) const;
   const float* neighbour_color(const Piece& piece, int px, const float* rgb) const;
 
   const Scene& scene_;
@@ -57,6 +58,11 @@ class RowAverage {
   const float* row_rgb_ = nullptr;  // of the frame; from the pixel on, what centres show
   int before_px_ = -1;              // the pixel averaged before this one, and what its centre showed
   float before_rgb_[3];
+  struct PieceColor {
+    const Piece* piece;
+    float rgb[3];
+  };
+  std::vector<PieceColor> piece_colors_;  // of the opaque pieces in it so far
   double rgb_[3], alpha_, coverage_;
   std::vector<VisibleSegment> stack_;  // the segments and veils in it
   std::vector<double> borders_;        // their ends

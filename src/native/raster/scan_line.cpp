@@ -47,7 +47,26 @@ void merge_stretches(std::vector<Interval>& stretches) {
   stretches.resize(kept);
 }
 
+bool Visibility::hidden(const Span& span, const std::vector<VisibleSegment>& segments) const {
+  const double end = std::min(span.x1, double(camera_.width));
+  double cursor = std::max(span.x0, 0.0);
+  for (auto it = first_after(segments, cursor); it != segments.end() && it->x0 <= cursor; ++it) {
+    const Span& old = *it->span;
+    if (decide({span.nearest, span.farthest}, {old.nearest, old.farthest}, tie(old.nearest), span, old) != &old) {
+      return false;
+    }
+    if (it->x1 >= end) return true;
+    cursor = it->x1;
+  }
+  return false;
+}
+
 void Visibility::insert(const Span& span, std::vector<VisibleSegment>& segments) {
+  const double x0 = std::max(span.x0, 0.0), x1 = std::min(span.x1, double(camera_.width));
+  if (const auto next = first_after(segments, x0); next == segments.end() || next->x0 >= x1) {
+    if (x0 < x1) segments.insert(next, {x0, x1, &span});
+    return;
+  }
   const Range old = merge(span, segments);
   if (!shown_) return;
   const std::ptrdiff_t count = old.last - old.first, size = std::ptrdiff_t(merged_.size());

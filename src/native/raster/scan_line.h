@@ -44,6 +44,8 @@ class Visibility {
 
   // The difference of keys that stands for the depth tie, near a key.
   double tie(double key) const { return camera_.perspective ? depth_tie_ * key * key : depth_tie_; }
+  // Whether bounds of the keys tell that `span` is behind the segments all along. Such a span need not be kept.
+  bool hidden(const Span& span, const std::vector<VisibleSegment>& segments) const;
   // Makes `span` compete with the segments.
   void insert(const Span& span, std::vector<VisibleSegment>& segments);
   // Appends the stretches of `span` that none of `segments` hides: how a transparent face lies before opaque ones.

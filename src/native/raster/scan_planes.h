@@ -27,8 +27,11 @@ class ScanPlanes {
   // `samples`: planes a row for coverage, 0 for none; `centre`: whether planes through the pixel centres are wanted.
   ScanPlanes(int rows, int samples, bool centre) : rows_(rows), samples_(samples), centre_(centre) {}
 
+  int rows() const { return rows_; }
   int samples() const { return samples_; }
   bool centre() const { return centre_; }
+  // Rows handed to a thread at a time: a band, whose planes show no more than a processor's cache holds.
+  int band_rows() const { return locates_level_edges() ? 8 : 16; }
   bool locates_level_edges() const { return samples_ >= kLevelSamples; }
   // Whether the centre plane is one of the sample planes.
   bool centre_is_sample() const { return samples_ % 2 == 1; }

@@ -36,7 +36,7 @@ Sections::Sections(const Scene& scene, const Camera& camera, const ScanPlanes& p
     view.camera.side = &view.side;
     view.patches = std::make_unique<FramePatches>(scene, view.camera, planes, threads);
     const std::vector<PlacedPatch>& patches = view.patches->patches();
-    view.bands = sort_into_bands(patches, camera.height);
+    view.bands = sort_into_bands(patches, planes);
     view.whole = std::all_of(patches.begin(), patches.end(), [](const PlacedPatch& patch) { return patch.before_eye; });
   }
   add_caps(scene);
