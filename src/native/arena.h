@@ -3,23 +3,24 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <type_traits>
 #include <vector>
 
+#include "buffer_pool.h"
+
 namespace nofacet {
 
+// For types without constructors or destructors that matter: what is taken is not initialized.
 template <class T>
 class Arena {
-  static_assert(std::is_trivially_destructible_v<T>);
+  static_assert(std::is_trivially_destructible_v<T> && std::is_trivially_copyable_v<T>);
 
  public:
   T* take(std::size_t count) {
     while (block_ < blocks_.size() && used_ + count > blocks_[block_].capacity) ++block_, used_ = 0;
-    if (block_ == blocks_.size()) {
-      const std::size_t capacity = std::max<std::size_t>(count, (1 << 18) / sizeof(T));
-      blocks_.push_back({std::make_unique_for_overwrite<T[]>(capacity), capacity});
-    }
-    T* result = blocks_[block_].data.get() + used_;
+    if (block_ == blocks_.size()) add_block(count);
+    T* result = reinterpret_cast<T*>(blocks_[block_].memory.get()) + used_;
     used_ += count;
     return result;
   }
@@ -27,10 +28,32 @@ class Arena {
   void reuse() { block_ = used_ = 0; }
 
  private:
+  // Blocks double up to a huge page; those are kept for the next frame, for fresh pages cost as much as their use.
+  static constexpr std::size_t kFirstBytes = 1 << 16, kLargestBytes = BufferPool::kPage;
+
+  struct Release {
+    std::size_t bytes = 0;
+
+    void operator()(std::byte* memory) const {
+      if (bytes >= kLargestBytes) {
+        BufferPool::instance().give_back(memory, bytes);
+      } else {
+        ::operator delete(memory);
+      }
+    }
+  };
   struct Block {
-    std::unique_ptr<T[]> data;
+    std::unique_ptr<std::byte[], Release> memory;
     std::size_t capacity;
   };
+
+  void add_block(std::size_t count) {
+    const std::size_t usual = std::min(kFirstBytes << std::min<std::size_t>(blocks_.size(), 16), kLargestBytes);
+    const std::size_t bytes = std::max(usual, count * sizeof(T));
+    void* memory = bytes >= kLargestBytes ? BufferPool::instance().take(bytes) : ::operator new(bytes);
+    blocks_.push_back({{static_cast<std::byte*>(memory), Release{bytes}}, bytes / sizeof(T)});
+  }
+
   std::vector<Block> blocks_;
   std::size_t block_ = 0, used_ = 0;
 };

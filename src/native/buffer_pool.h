@@ -1,4 +1,4 @@
-// Memory for frame buffers, kept for the next frame: fresh pages cost as much to fault in as to fill.
+// Memory for frame buffers and large arenas, kept for the next frame: fresh pages cost as much to fault in as to fill.
 #pragma once
 #include <sys/mman.h>
 
@@ -11,6 +11,8 @@ namespace nofacet {
 
 class BufferPool {
  public:
+  static constexpr std::size_t kPage = 1 << 21;  // a huge page; what is taken is a multiple of it
+
   static BufferPool& instance() {
     static BufferPool* pool = new BufferPool;  // outlives every buffer, whatever the order of destruction at exit
     return *pool;
@@ -54,7 +56,6 @@ class BufferPool {
   }
 
  private:
-  static constexpr std::size_t kPage = 1 << 21;         // a huge page
   static constexpr std::size_t kMostIdle = 512u << 20;  // bytes; two frames of 4K with all buffers
 
   static std::size_t rounded(std::size_t bytes) { return (bytes + kPage - 1) / kPage * kPage; }

@@ -69,17 +69,27 @@ Interval hull_range(const Net& net, Component numerator, Component denominator) 
 
 namespace {
 
-QuotientBounds quotient(const DifferenceRanges& d, int c, Interval f) {
-  // f - centre = N / D with N = numerator - centre * D; differentiate N = (f - centre) D.
+// f - centre = N / D with N = numerator - centre * D; differentiate N = (f - centre) D.
+QuotientBounds first_order(const DifferenceRanges& d, int c, Interval f) {
   const Interval g = f - f.mid(), w = d.value[kW];
   QuotientBounds q;
   q.f = f;
   if (w.lo == 1.0 && w.hi == 1.0) {
-    q.fa = d.a[c], q.fb = d.b[c], q.faa = d.aa[c], q.fab = d.ab[c], q.fbb = d.bb[c];
+    q.fa = d.a[c], q.fb = d.b[c];
+  } else {
+    q.fa = (d.a[c] - g * d.a[kW]) / w;
+    q.fb = (d.b[c] - g * d.b[kW]) / w;
+  }
+  return q;
+}
+
+QuotientBounds quotient(const DifferenceRanges& d, int c, Interval f) {
+  const Interval g = f - f.mid(), w = d.value[kW];
+  QuotientBounds q = first_order(d, c, f);
+  if (w.lo == 1.0 && w.hi == 1.0) {
+    q.faa = d.aa[c], q.fab = d.ab[c], q.fbb = d.bb[c];
     return q;
   }
-  q.fa = (d.a[c] - g * d.a[kW]) / w;
-  q.fb = (d.b[c] - g * d.b[kW]) / w;
   q.faa = (d.aa[c] - q.fa * d.a[kW] * 2.0 - g * d.aa[kW]) / w;
   q.fbb = (d.bb[c] - q.fb * d.b[kW] * 2.0 - g * d.bb[kW]) / w;
   q.fab = (d.ab[c] - q.fa * d.b[kW] - q.fb * d.a[kW] - g * d.ab[kW]) / w;
@@ -95,8 +105,11 @@ double remainder(const DifferenceRanges& d, int c, double reach) {
 
 }  // namespace
 
-NetBounds::NetBounds(const Net& net) {
-  const ComponentRanges range = ratio_ranges(net);
+QuotientBounds slope_bounds(const Net& net, Interval y) {
+  return first_order(first_difference_ranges(net, y.mid()), kY, y);
+}
+
+NetBounds::NetBounds(const Net& net, const ComponentRanges& range) {
   // Relative to the middle of the range, where the quotient rule's terms are smallest.
   double shifted[4 * (kMaxDegree + 1) * (kMaxDegree + 1)];
   for (std::size_t k = 0; k < net.size(); k += 4) {

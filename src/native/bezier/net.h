@@ -55,6 +55,11 @@ struct DifferenceRanges {
 // Ranges of the control points' X / W, Y / W and Z / W; needs all W > 0.
 ComponentRanges ratio_ranges(const Net& net);
 DifferenceRanges difference_ranges(const Net& net);
+// Of Y - y W in the place of Y; second differences are left out.
+DifferenceRanges first_difference_ranges(const Net& net, double y);
+
+// Bounds of y = Y / W, whose own range is given, and of its first derivatives; needs all W > 0.
+QuotientBounds slope_bounds(const Net& net, Interval y);
 
 // Bounds over the net of x = X/W, y = Y/W and key = Z/W; needs all W > 0. All follow from the convex hull property of
 // the control points and of their first and second differences.
@@ -63,7 +68,9 @@ struct NetBounds {
   // For a parameter step (da, db) not larger than h, X - x W, Y - y W and Z - key W, for any x, y and key in the net's
   // range and taken over W, differ from their linear parts by at most this times h^2.
   double x_remainder, y_remainder, key_remainder;
-  explicit NetBounds(const Net& net);
+  explicit NetBounds(const Net& net) : NetBounds(net, ratio_ranges(net)) {}
+  // range: the net's ratio_ranges.
+  NetBounds(const Net& net, const ComponentRanges& range);
 };
 // Convex hull bound of numerator / denominator; the denominator must be positive at every control point.
 Interval hull_range(const Net& net, Component numerator, Component denominator);

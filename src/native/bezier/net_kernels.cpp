@@ -111,6 +111,33 @@ void Differences(const Net& net, DifferenceRanges& out) {
   }
 }
 
+// Of Y - y W instead of Y, and without second differences.
+void FirstDifferences(const Net& net, double y, DifferenceRanges& out) {
+  const Four d;
+  const int n = net.n, m = net.m, row = 4 * (m + 1);
+  const double shifts[4] = {0.0, y, 0.0, 0.0};
+  for (std::size_t part = 0; part < 4; part += hn::Lanes(d)) {
+    const V shift = hn::LoadU(d, shifts + part);
+    const auto at = [&](const double* p)
+                        HWY_ATTR { return hn::NegMulAdd(shift, hn::Set(d, p[kW]), hn::LoadU(d, p + part)); };
+    Range value, a, b;
+    value.start(d), a.start(d), b.start(d);
+    const double* p = net.points;
+    for (int i = 0; i <= n; ++i) {
+      V before = hn::Zero(d);
+      for (int j = 0; j <= m; ++j, p += 4) {
+        const V v = at(p);
+        value.include(v);
+        if (i < n) a.include(hn::Sub(at(p + row), v));
+        if (j > 0) b.include(hn::Sub(v, before));
+        before = v;
+      }
+    }
+    value.store(d, part, 1.0, out.value);
+    a.store(d, part, n, out.a), b.store(d, part, m, out.b);
+  }
+}
+
 void Evaluate(const Net& net, double a, double b, Jet& jet) {
   const Four d;
   double in_a[kMaxDegree + 1], by_a[kMaxDegree + 1], in_b[kMaxDegree + 1], by_b[kMaxDegree + 1];
@@ -147,6 +174,7 @@ namespace nofacet {
 HWY_EXPORT(Halve);
 HWY_EXPORT(Ratios);
 HWY_EXPORT(Differences);
+HWY_EXPORT(FirstDifferences);
 HWY_EXPORT(Evaluate);
 
 Jet evaluate(const Net& net, double a, double b) {
@@ -168,6 +196,12 @@ ComponentRanges ratio_ranges(const Net& net) {
 DifferenceRanges difference_ranges(const Net& net) {
   DifferenceRanges ranges;
   HWY_DYNAMIC_DISPATCH(Differences)(net, ranges);
+  return ranges;
+}
+
+DifferenceRanges first_difference_ranges(const Net& net, double y) {
+  DifferenceRanges ranges;
+  HWY_DYNAMIC_DISPATCH(FirstDifferences)(net, y, ranges);
   return ranges;
 }
 

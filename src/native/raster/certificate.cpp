@@ -125,18 +125,18 @@ double variation(const Grid& grid, bool along_a) {
 
 }  // namespace
 
-Certificate certify_cut(const NetBounds& bounds, const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
-  const QuotientBounds turned = transposed_bounds(bounds.y);
-  const bool straight = grows_with_b(bounds.y), across = grows_with_b(turned);
+Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
+  const QuotientBounds turned = transposed_bounds(y);
+  const bool straight = grows_with_b(y), across = grows_with_b(turned);
   if (!straight && !across) return {};
   Certificate certificate;
   // The flatter graph, if both are.
-  const auto slope = [](const QuotientBounds& y) { return y.fa.magnitude() / y.fb.mignitude(); };
-  certificate.transposed = straight && across ? slope(turned) < slope(bounds.y) : across;
+  const auto slope = [](const QuotientBounds& q) { return q.fa.magnitude() / q.fb.mignitude(); };
+  certificate.transposed = straight && across ? slope(turned) < slope(y) : across;
   // J is at most W^3 steepness times dx/da along a cut. What it reaches to the other side of zero, if only by rounding
   // on a border that is a silhouette, moves x back by no more than is negligible.
   const Interval j = range_of(jacobian);
-  const double steepness = (certificate.transposed ? turned : bounds.y).fb.mignitude();
+  const double steepness = (certificate.transposed ? turned : y).fb.mignitude();
   const double pixel = steepness * scales.weight * scales.weight * scales.weight;
   if (j.magnitude() < kSliverPixels * pixel) {
     certificate.kind = CutKind::sliver;

@@ -41,7 +41,8 @@ Certificate certify_cut(const Net& net, const NetBounds& bounds);
 struct CarriedForms {
   double turn_terms = 0.0, weight = 1.0;
 };
-// With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter.
-Certificate certify_cut(const NetBounds& bounds, const Grid& jacobian, const Grid& turn, const CarriedForms& scales);
+// With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter,
+// and of the bounds it needs only those of y and its first derivatives.
+Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Grid& turn, const CarriedForms& scales);
 
 }  // namespace nofacet

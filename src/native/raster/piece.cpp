@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "bezier/turning.h"
 #include "placed_patch.h"
@@ -60,6 +61,12 @@ double space_length(const Net& net, bool a) {
     longest = std::max(longest, length);
   }
   return longest;
+}
+
+Interval weight_range(const Net& net) {
+  Interval weight = Interval::empty();
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) weight.include(p[kW]);
+  return weight;
 }
 
 // Appends the parameters at which the border of control points first, first + stride, ... turns in the screen's y.
@@ -149,19 +156,19 @@ void PieceBuilder::carry_forms(Node& root) {
   scales_.turn_terms = turn_form(net, rational, root.jacobian, root.turn);
 }
 
-Certificate PieceBuilder::certify(const Node& node, const NetBounds& bounds) const {
-  if (!node.jacobian.coefficients) return certify_cut(node.net, bounds);
-  return certify_cut(bounds, node.jacobian, node.turn, scales_);
-}
-
 void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
   const Net& net = node.net;
   const Box& box = node.box;
-  if (is_off_screen(net, camera_)) return;
   if (++nodes_ > kMaxNodes) {
     ++unresolved_;
     return;
   }
+  const Interval weight = weight_range(net);
+  const bool distorted = camera_.perspective && weight.lo * kLargestDepthRatio < weight.hi;
+  if (distorted && is_off_screen(net, camera_)) return;
+  const ComponentRanges range = distorted ? ComponentRanges{} : ratio_ranges(net);
+  const Interval x = range[kX], y = range[kY];
+  if (!distorted && (x.hi < 0 || x.lo > camera_.width || !planes_.any_in(y.lo, y.hi))) return;
 
   // The trim arcs that still run through the piece; without any it is inside or outside as a whole.
   if (arcs) {
@@ -182,9 +189,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
 
   // A piece that crosses the eye plane, or whose depths differ by much, is distorted beyond any bound: halve it in
   // space. What is in front shrinks towards the eye itself, where nothing is visible.
-  Interval weight = Interval::empty();
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) weight.include(p[kW]);
-  if (camera_.perspective && weight.lo * kLargestDepthRatio < weight.hi) {
+  if (distorted) {
     if (depth < kMaxDepth) {
       split(node, arcs, depth, space_length(net, true) >= space_length(net, false));
     } else if (weight.lo > 0) {
@@ -193,22 +198,23 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
     return;
   }
 
-  const Interval y = hull_range(net, kY, kW);
-  if (!planes_.any_in(y.lo, y.hi)) return;
-  const NetBounds bounds(net);
-  const Certificate certificate = certify(node, bounds);
+  std::optional<NetBounds> bounds;  // many nodes need no more than the forms that they carry
+  const auto all_bounds = [&]() -> const NetBounds& { return bounds ? *bounds : bounds.emplace(net, range); };
+  const Certificate certificate = node.jacobian.coefficients
+                                      ? certify_cut(slope_bounds(net, y), node.jacobian, node.turn, scales_)
+                                      : certify_cut(net, all_bounds());
   if (certificate.kind != CutKind::uncertain) {
-    const bool small = bounds.x.f.width() <= kLargestPiece && y.width() <= kLargestPiece;
-    if (small || depth >= kMaxDepth || is_planar(net, bounds)) {
-      emit_certified(net, bounds, certificate, box, arcs);
+    const bool small = x.width() <= kLargestPiece && y.width() <= kLargestPiece;
+    if (small || depth >= kMaxDepth || is_planar(net, range[kZ])) {
+      emit_certified(net, all_bounds(), certificate, box, arcs);
       return;
     }
   } else {
-    const bool narrow = bounds.x.f.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
+    const bool narrow = x.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
     if (narrow && low) {
       Piece piece{};
       piece.kind = CutKind::uncertain;
-      piece.x = bounds.x.f;
+      piece.x = x;
       piece.y = y;
       emit(piece, net, box, arcs);
       return;
@@ -220,7 +226,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
     }
   }
   split(node, arcs, depth,
-        certificate.halve == Halve::either ? shape_halves_a(net, bounds) : certificate.halve == Halve::a);
+        certificate.halve == Halve::either ? shape_halves_a(net, all_bounds()) : certificate.halve == Halve::a);
 }
 
 void PieceBuilder::split(const Node& node, const Arcs* arcs, int depth, bool along_a) {
@@ -287,9 +293,8 @@ KeyPlane fit_key_plane(const Net& net, Interval key) {
 }  // namespace
 
 // A large plane is one piece, however large.
-bool PieceBuilder::is_planar(const Net& net, const NetBounds& bounds) const {
-  return net.n == 1 && net.m == 1 &&
-         fit_key_plane(net, bounds.key.f).error * pixels_per_key(camera_, bounds.key.f) < kNegligiblePixels;
+bool PieceBuilder::is_planar(const Net& net, Interval key) const {
+  return net.n == 1 && net.m == 1 && fit_key_plane(net, key).error * pixels_per_key(camera_, key) < kNegligiblePixels;
 }
 
 // Fills in what a certified piece knows of its cuts.

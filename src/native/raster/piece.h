@@ -93,9 +93,8 @@ class PieceBuilder {
   void carry_forms(Node& root);
   void subdivide(const Node& node, const Arcs* arcs, int depth);
   void split(const Node& node, const Arcs* arcs, int depth, bool along_a);
-  Certificate certify(const Node& node, const NetBounds& bounds) const;
   void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Piece* piece) const;
-  bool is_planar(const Net& net, const NetBounds& bounds) const;
+  bool is_planar(const Net& net, Interval key) const;
   void emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Box& box,
                       const Arcs* arcs);
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
