@@ -18,6 +18,7 @@
 #include "extent.h"
 #include "extract/cuts.h"
 #include "extract/distinct.h"
+#include "extract/expand.h"
 #include "extract/segment_table.h"
 #include "extract/spline.h"
 #include "extract/stream_scan.h"
@@ -385,6 +386,12 @@ nb::tuple distinct_of(Indices keys) {
   return nb::make_tuple(owned(std::move(found.first)), owned(std::move(found.number)));
 }
 
+nb::tuple expand_of(Indices start, Indices count) {
+  check_lengths(start.size(), count);
+  Expanded rows = expand(start.data(), count.data(), start.size());
+  return nb::make_tuple(owned(std::move(rows.owner)), owned(std::move(rows.number)));
+}
+
 nb::tuple cut_evenly_of(Column low, Column high, double limit) {
   check_lengths(low.size(), high);
   Cuts cuts = cut_evenly(low.size(), low.data(), high.data(), limit);
@@ -554,6 +561,8 @@ NB_MODULE(_native, module) {
              "The columns of ShapeScan: kinds, children, faces, edges, pcurves; and the byte behind the records.");
   module.def("distinct", &distinct_of, nb::arg("keys"),
              "Where each distinct key (n,) stands first, ascending; the place there of each key's own (n,).");
+  module.def("expand", &expand_of, nb::arg("start"), nb::arg("count"),
+             "The columns of Expanded: the numbers start[k] .. start[k] + count[k] - 1 for all k, and k.");
   module.def("cut_evenly", &cut_evenly_of, nb::arg("low"), nb::arg("high"), nb::arg("limit"),
              "Intervals in equal pieces: the columns of Cuts.");
   module.def("segment_table", &segment_table_of, nb::arg("parts"), nb::arg("uses"),

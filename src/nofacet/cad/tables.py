@@ -26,9 +26,7 @@ def expand(offsets: Index, which: NDArray[Any]) -> tuple[Index, Index]:
 
 def expand_runs(start: NDArray[Any], count: NDArray[Any]) -> tuple[Index, Index]:
     """The numbers start[k] .. start[k] + count[k] - 1 for all k: k itself, and the numbers."""
-    before = np.cumsum(count) - count
-    owner = np.repeat(np.arange(len(count)), count)
-    return owner, np.arange(len(owner)) + (start - before)[owner]
+    return _native.expand(start, count)
 
 
 def distinct(keys: Index) -> tuple[Index, Index]:
