@@ -16,6 +16,10 @@
 #include "bezier/bernstein.h"
 #include "buffer_pool.h"
 #include "extent.h"
+#include "extract/cuts.h"
+#include "extract/distinct.h"
+#include "extract/expand.h"
+#include "extract/segment_table.h"
 #include "extract/spline.h"
 #include "extract/stream_scan.h"
 #include "extract/trim_loops.h"
@@ -377,6 +381,44 @@ using Flags = Array<bool, nb::shape<-1>>;
 using Pairs = Array<double, nb::shape<-1, 2>>;
 using BoxRows = Array<double, nb::shape<-1, 4>>;
 
+nb::tuple distinct_of(Indices keys) {
+  Distinct found = distinct(keys.data(), keys.size());
+  return nb::make_tuple(owned(std::move(found.first)), owned(std::move(found.number)));
+}
+
+nb::tuple expand_of(Indices start, Indices count) {
+  check_lengths(start.size(), count);
+  Expanded rows = expand(start.data(), count.data(), start.size());
+  return nb::make_tuple(owned(std::move(rows.owner)), owned(std::move(rows.number)));
+}
+
+nb::tuple cut_evenly_of(Column low, Column high, double limit) {
+  check_lengths(low.size(), high);
+  Cuts cuts = cut_evenly(low.size(), low.data(), high.data(), limit);
+  return nb::make_tuple(owned(std::move(cuts.owner)), owned(std::move(cuts.start)), owned(std::move(cuts.stop)));
+}
+
+nb::tuple segment_table_of(nb::list parts, std::size_t uses) {
+  Kept kept;
+  std::vector<PieceView> views;
+  for (nb::handle part : parts) {
+    PieceView view{};
+    view.owner = field<int64_t, nb::shape<-1>>(kept, part, "owner", &view.count);
+    view.points = field<double, nb::shape<-1, -1, 3>>(kept, part, "points");
+    check_lengths(view.count, kept.back());
+    view.degree = int(kept.back().shape(1)) - 1;
+    views.push_back(view);
+    for (std::size_t k = 0; k < view.count; ++k) {
+      if (view.owner[k] < 0 || std::size_t(view.owner[k]) >= uses) throw std::invalid_argument("no such use");
+    }
+  }
+  SegmentTable table = segment_table(views, uses);
+  const std::size_t count = table.points.size() / 3;
+  return nb::make_tuple(owned(std::move(table.offsets)), owned(std::move(table.first_point)),
+                        owned(std::move(table.degree)),
+                        owned(std::move(table.points), std::initializer_list<std::size_t>{count, 3}));
+}
+
 nb::tuple order_uses_of(Indices wire, Pairs start, Pairs end, Pairs size) {
   check_lengths(wire.size(), start, end, size);
   UseOrder order = order_uses({wire.size(), wire.data(), start.data(), end.data(), size.data()});
@@ -517,6 +559,14 @@ NB_MODULE(_native, module) {
              "The columns of SurfaceScan: surfaces, profiles, profile of each; and the byte behind the records.");
   module.def("scan_shapes", &scan_shapes_of, nb::arg("data"), nb::arg("at"), nb::arg("count"),
              "The columns of ShapeScan: kinds, children, faces, edges, pcurves; and the byte behind the records.");
+  module.def("distinct", &distinct_of, nb::arg("keys"),
+             "Where each distinct key (n,) stands first, ascending; the place there of each key's own (n,).");
+  module.def("expand", &expand_of, nb::arg("start"), nb::arg("count"),
+             "The columns of Expanded: the numbers start[k] .. start[k] + count[k] - 1 for all k, and k.");
+  module.def("cut_evenly", &cut_evenly_of, nb::arg("low"), nb::arg("high"), nb::arg("limit"),
+             "Intervals in equal pieces: the columns of Cuts.");
+  module.def("segment_table", &segment_table_of, nb::arg("parts"), nb::arg("uses"),
+             "Pieces with owner (m,) and points (m, p + 1, 3) as one table: the columns of SegmentTable.");
   module.def("use_ends", &use_ends_of, nb::arg("wire"), nb::arg("reversed"), nb::arg("segments"),
              "Start, end of edge uses in (u, v), extent of their wires, each (U, 2).");
   module.def("order_uses", &order_uses_of, nb::arg("wire"), nb::arg("start"), nb::arg("end"), nb::arg("size"),

@@ -11,13 +11,19 @@
 namespace nofacet {
 namespace {
 
-constexpr std::size_t kFewDefinitions = 64;  // are prepared before a second thread has started
+constexpr std::size_t kFewPoints = 2'000;  // of loops are prepared before a second thread has started
+
+// Control points of all loops.
+std::size_t loop_points(const Model& model) {
+  const int64_t loops = model.definition_loops[model.definition_count];
+  return std::size_t(model.segment_offsets[model.loop_offsets[loops]]);
+}
 
 }  // namespace
 
 Scene::Scene(Model m) : model(std::move(m)) {
   regions.resize(model.definition_count);
-  const int threads = model.definition_count < kFewDefinitions ? 1 : int(std::thread::hardware_concurrency());
+  const int threads = loop_points(model) < kFewPoints ? 1 : int(std::thread::hardware_concurrency());
   parallel_for(model.definition_count, threads, [&](std::size_t d, int) {
     if (model.trimmed[d]) regions[d] = std::make_unique<Region>(model, d);
   });

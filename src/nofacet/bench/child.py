@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
+import sys
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
@@ -39,8 +41,31 @@ def in_child(function: Callable[[], Result], seconds: float) -> Result:
 
 
 def _run(function: Callable[[], Any], sender: Connection) -> None:
+    _own_memory()
     try:
         answer = (True, function())
     except Exception as error:
         answer = (False, " ".join(f"{type(error).__name__}: {error}".split()))
     sender.send(answer)
+
+
+_MADV_POPULATE_WRITE = 23  # since Linux 5.14
+
+
+def _own_memory() -> None:
+    """Copy now the pages that are shared with the parent until they are written to.
+
+    OpenCascade writes to every object it hands out, to count references: in a fork each page of a shape would be copied
+    while something is measured, which a process that has read the file itself never does. Where the system cannot do
+    it, nothing happens.
+    """
+    if sys.platform != "linux":
+        return
+    madvise = ctypes.CDLL(None).madvise
+    madvise.argtypes = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int)
+    with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:
+        regions = [line.split(maxsplit=2)[:2] for line in maps]
+    for span, access in regions:
+        if access == "rw-p":
+            start, end = (int(address, 16) for address in span.split("-"))
+            madvise(start, end - start, _MADV_POPULATE_WRITE)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .orientation import composed
-from .stream import EDGE, FACE, REVERSED, SHELL, SOLID, Stream
-from .tables import Index, expand_runs, offsets_of
+from .stream import EDGE, FACE, REVERSED, SOLID, Stream
+from .tables import Index, distinct, expand_runs, offsets_of
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class BodyFinder:
 
     def enter(self, kind: NDArray[np.uint8], shape: Index, location: Index, body: Index) -> Index:
         """The body each row (n,) is part of, given that of the row it came from (-1: none yet)."""
-        starts = np.flatnonzero((body < 0) & np.isin(kind, (SOLID, SHELL, FACE)))
+        starts = np.flatnonzero((body < 0) & (kind >= SOLID) & (kind <= FACE))
         body = body.copy()
         body[starts] = self._count + np.arange(len(starts))
         self._count += len(starts)
@@ -55,30 +55,25 @@ class BodyFinder:
         """
         shape, location = np.concatenate(self._shape), np.concatenate(self._location)
         place = shape * (location.max(initial=0) + 1) + location
-        _, first, which = np.unique(place, return_index=True, return_inverse=True)
+        first, which = distinct(place)
         used = np.flatnonzero((first[which[body]] == body) & (orientation <= REVERSED))
-        found, first_use, number = np.unique(body[used], return_index=True, return_inverse=True)
-        order = np.argsort(first_use)
-        rank = np.empty(len(order), np.intp)
-        rank[order] = np.arange(len(order))
-        number = rank[number]
-        sort = np.argsort(number, kind="stable")
-        uses = used[sort]
-        offsets = offsets_of(np.bincount(number, minlength=len(found)))
-        return Bodies(offsets, face[uses], orientation[uses] == REVERSED, shape[found[order]])
+        first_use, number = distinct(body[used])
+        uses = used[np.argsort(number, kind="stable")]
+        offsets = offsets_of(np.bincount(number, minlength=len(first_use)))
+        return Bodies(offsets, face[uses], orientation[uses] == REVERSED, shape[body[used[first_use]]])
 
 
 def are_closed(stream: Stream, shapes: Index) -> NDArray[np.bool_]:
     """Whether the faces of each body's shape (B,) close a volume: every edge is used as often in one direction as in
     the other. Degenerate edges, and what is of internal or external orientation, bound nothing."""
-    distinct, which = np.unique(shapes, return_inverse=True)
-    owner, edge, location, orientation = _edge_uses(stream, distinct)
+    first, which = distinct(shapes)
+    owner, edge, location, orientation = _edge_uses(stream, shapes[first])
     place = (owner * len(stream.kinds) + edge) * (location.max(initial=0) + 1) + location
-    _, place = np.unique(place, return_inverse=True)
+    _, place = distinct(place)
     balance = np.bincount(place, np.where(orientation == REVERSED, -1.0, 1.0))
-    closed = np.bincount(owner, minlength=len(distinct)) > 0
+    closed = np.bincount(owner, minlength=len(first)) > 0
     closed[owner[balance[place] != 0]] = False
-    result: NDArray[np.bool_] = closed[which.ravel()]
+    result: NDArray[np.bool_] = closed[which]
     return result
 
 

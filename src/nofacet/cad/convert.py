@@ -6,7 +6,7 @@ import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from .loops import Loops, merged, without
 from .orientation import composed
 from .patches import PatchBuilder, are_exact
 from .stream import REVERSED, Stream
-from .tables import Index, expand_runs, offsets_of
+from .tables import Index, distinct, expand_runs, marked, offsets_of
 from .trims import Trims, trim
 
 if TYPE_CHECKING:
@@ -35,10 +35,9 @@ def convert(shape: TopoDS_Shape, source: str) -> Model:
     with _garbage_collection_paused():
         stream = brep.read(shape)
         faces = placed_faces(stream)
-        shapes, first = np.unique(faces.shape, return_index=True)
-        order = np.argsort(first)
-        conversion = _Conversion(shape, stream, shapes[order], first[order])
-        return _assemble(source, stream, faces, conversion)
+        first, definition = distinct(faces.shape)
+        conversion = _Conversion(shape, stream, faces.shape[first], first)
+        return _assemble(source, stream, faces, definition, conversion)
 
 
 @contextmanager
@@ -67,7 +66,7 @@ class PlacedFaces:
 def placed_faces(stream: Stream) -> PlacedFaces:
     """Faces in the order of TopExp::MapShapes: depth first, each (shape, location) once, first orientation kept."""
     below = stream.children
-    holds_faces = np.isin(stream.kinds, brep.SOLID_LIKE)
+    holds_faces = stream.kinds <= brep.SHELL
     orientation, shape, location = (np.array([value]) for value in stream.root)
     finder, body = BodyFinder(), np.array([-1])
     while (holds := holds_faces[shape]).any():
@@ -85,12 +84,9 @@ def placed_faces(stream: Stream) -> PlacedFaces:
     body = finder.enter(stream.kinds[shape], shape, location, body)
     place = shape * (location.max(initial=0) + 1) + location
     faces = np.flatnonzero(stream.kinds[shape] == brep.FACE)
-    _, first, which = np.unique(place[faces], return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.empty(len(order), np.intp)
-    rank[order] = np.arange(len(order))
-    bodies = finder.bodies(body[faces], rank[which], orientation[faces])
-    first = faces[first[order]]
+    first, number = distinct(place[faces])
+    bodies = finder.bodies(body[faces], number, orientation[faces])
+    first = faces[first]
     return PlacedFaces(shape[first], location[first], orientation[first].astype(np.uint8), bodies)
 
 
@@ -222,14 +218,13 @@ class _Conversion:
         return result
 
 
-def _assemble(source: str, stream: Stream, faces: PlacedFaces, conversion: _Conversion) -> Model:
+def _assemble(source: str, stream: Stream, faces: PlacedFaces, definition: Index, conversion: _Conversion) -> Model:
+    """definition: (F,), of each placed face."""
     placements, face_placement = _placements(stream, faces)
     mirrored = (np.linalg.det(placements[:, :3, :3]) < 0)[face_placement]
     backwards = faces.orientation == REVERSED
     bodies = faces.bodies
     count = len(faces.shape)
-    definition_of = np.empty(len(stream.kinds), np.int32)
-    definition_of[conversion.definitions] = np.arange(len(conversion.definitions))
     loops = conversion.loops
     return Model(
         source=source,
@@ -242,7 +237,7 @@ def _assemble(source: str, stream: Stream, faces: PlacedFaces, conversion: _Conv
         segment_points=loops.points,
         segment_edge=loops.edge,
         conversion_error=conversion.errors,
-        face_definition=definition_of[faces.shape],
+        face_definition=definition.astype(np.int32),
         face_placement=face_placement,
         placements=placements,
         face_outward=np.where(mirrored ^ backwards, -1, 1).astype(np.int8),
@@ -251,25 +246,23 @@ def _assemble(source: str, stream: Stream, faces: PlacedFaces, conversion: _Conv
         body_offsets=bodies.offsets,
         body_face=bodies.face.astype(np.int32),
         body_face_outward=np.where(mirrored[bodies.face] ^ bodies.reversed, -1, 1).astype(np.int8),
-        body_closed=_closed(stream, conversion, bodies, definition_of[faces.shape[bodies.face]]),
+        body_closed=_closed(stream, conversion, bodies, definition[bodies.face]),
         warnings=conversion.warnings(faces),
     )
 
 
-def _closed(stream: Stream, conversion: _Conversion, bodies: Bodies, definition: NDArray[Any]) -> NDArray[np.uint8]:
+def _closed(stream: Stream, conversion: _Conversion, bodies: Bodies, definition: Index) -> NDArray[np.uint8]:
     """Whether each body (B,) is closed, and all of its faces are drawn; definition: (N,), of the faces it uses."""
     closed = are_closed(stream, bodies.shape)
     body = np.repeat(np.arange(len(closed)), np.diff(bodies.offsets))
-    closed[body[np.isin(definition, list(conversion.problems))]] = False
+    missing = marked(len(conversion.definitions), list(conversion.problems))
+    closed[body[missing[definition]]] = False
     return closed.astype(np.uint8)
 
 
 def _placements(stream: Stream, faces: PlacedFaces) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Distinct matrices (K, 4, 4), world from definition, and the index (F,) of each face's."""
     locations = stream.locations.compose_all(faces.location, stream.faces.location[faces.shape])
-    distinct, first, which = np.unique(locations, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    matrices = np.array([stream.locations.matrix(location) for location in distinct[order].tolist()])
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order))
-    return matrices.reshape(-1, 4, 4), rank[which]
+    first, which = distinct(locations)
+    matrices = np.array([stream.locations.matrix(location) for location in locations[first].tolist()])
+    return matrices.reshape(-1, 4, 4), which.astype(np.int32)

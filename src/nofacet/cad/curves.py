@@ -12,13 +12,12 @@ from .. import _native
 from .bspline import curve_pieces
 from .geometry import Curve
 from .records import BSPLINE, CIRCLE, ELLIPSE, LINE, Curves, gather_reals
-from .tables import Index, expand_runs
+from .tables import Index
 
 Array = NDArray[np.float64]
 
 ANGLE_LIMIT = 100 * pi / 180  # of one piece of a circle or ellipse; weights stay above 0.64
 HYPERBOLIC_LIMIT = 2.0  # of one piece of a hyperbola; weights stay below 1.6
-_MOST_CUTS = 10_000  # of a circle, against damaged files
 
 
 @dataclass(frozen=True)
@@ -32,14 +31,7 @@ class Cuts:
 
 def cut_evenly(low: Array, high: Array, limit: float) -> Cuts:
     """Each interval [low, high] (n,) in equal pieces of at most `limit`; a billionth of a piece too many is none."""
-    if limit == np.inf:
-        return Cuts(np.arange(len(low)), low, high)
-    parts = np.ceil((high - low) / limit - 1e-9)
-    count = np.clip(np.nan_to_num(parts, nan=1.0), 1, _MOST_CUTS).astype(np.intp)
-    owner, k = expand_runs(np.zeros(len(count), np.intp), count)
-    begin, width, count = low[owner], (high - low)[owner], count[owner]
-    stop = np.where(k + 1 == count, high[owner], begin + width * (k + 1) / count)
-    return Cuts(owner, begin + width * k / count, stop)
+    return Cuts(*_native.cut_evenly(low, high, limit))
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _native
 from .curves import Pieces, pieces
 from .geometry import SURFACES
 from .records import gather_reals
 from .stream import REVERSED, WIRE, Stream
-from .tables import Index, expand, offsets_of, rank_in_run
+from .tables import Index, distinct, expand, marked
 
 Array = NDArray[np.float64]
 
@@ -52,11 +53,11 @@ def edge_uses(stream: Stream, faces: Index) -> tuple[EdgeUses, Index]:
     pcurve, seam = _pcurves(stream, faces, face, edge, location)
     plane = stream.surfaces.kind[stream.faces.surface[faces[face]]] == SURFACES.index("plane")
     has_curve = (pcurve >= 0) | (plane & (stream.edges.curve[edge] > 0))
-    incomplete = np.unique(face[~has_curve & ~stream.edges.degenerated[edge]])
+    incomplete = marked(len(faces), face[~has_curve & ~stream.edges.degenerated[edge]])
     against = below.orientation[use] != below.orientation[row][wire]
-    kept = np.flatnonzero(has_curve & ~np.isin(face, incomplete))
+    kept = np.flatnonzero(has_curve & ~incomplete[face])
     uses = EdgeUses(face[kept], wire[kept], edge[kept], against[kept], location[kept], pcurve[kept], seam[kept])
-    return uses, incomplete
+    return uses, np.flatnonzero(incomplete)
 
 
 def _pcurves(
@@ -71,8 +72,8 @@ def _pcurves(
     in_place = placed == stream.faces.location[faces[face[use]]]
     seam = np.zeros(len(edge), bool)
     seam[use[own.second[row] > 0]] = True
-    _, place, count = np.unique(face * len(stream.kinds) + edge, return_inverse=True, return_counts=True)
-    seam &= count[place] > 1
+    _, place = distinct(face * len(stream.kinds) + edge)
+    seam &= np.bincount(place)[place] > 1
     use, row = use[in_place], row[in_place]
     pcurve = np.full(len(edge), -1, np.intp)
     pcurve[use[::-1]] = row[::-1]  # the first of several stays
@@ -124,7 +125,7 @@ def segments(stream: Stream, faces: Index, uses: EdgeUses) -> Segments:
             np.matmul(part.points, matrices[part.owner], out=points[..., :2])
             points[..., 2] = part.points[..., 3]
             parts.append(Pieces(projected[part.owner], part.start, part.stop, with_unit_ends(points)))
-    return _joined(parts, len(uses.face))
+    return Segments(*_native.segment_table(parts, len(uses.face)))
 
 
 def with_unit_ends(points: Array) -> Array:
@@ -159,22 +160,3 @@ def _projections(stream: Stream, faces: Index, location: Index, curve_location: 
         relative = np.linalg.inv(inner) @ outer
         result[moved] = relative.swapaxes(1, 2)[pair.ravel()] @ result[moved]
     return result
-
-
-def _joined(parts: list[Pieces], count: int) -> Segments:
-    """One table from parts, each use's segments being in one of them."""
-    total = sum(len(part.owner) for part in parts)
-    of_use = np.zeros(count, np.intp)
-    for part in parts:
-        of_use += np.bincount(part.owner, minlength=count)
-    offsets = offsets_of(of_use)
-    first_point, degree = np.empty((2, total), np.intp)
-    before = 0
-    for part in parts:
-        place = offsets[part.owner] + rank_in_run(part.owner)
-        size = part.points.shape[1]
-        first_point[place] = before + size * np.arange(len(place))
-        degree[place] = size - 1
-        before += size * len(place)
-    flat = [part.points.reshape(-1, 3) for part in parts]
-    return Segments(offsets, first_point, degree, np.concatenate(flat) if flat else np.empty((0, 3)))

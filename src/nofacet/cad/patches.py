@@ -26,13 +26,13 @@ from .tables import Index, expand, offsets_of
 Array = NDArray[np.float64]
 
 _ELEMENTARY_NUMBERS = {"plane": 12, "cylinder": 13, "cone": 14, "sphere": 13, "torus": 14}
-_INEXACT_PROFILES = [CURVES.index(kind) for kind in ("hyperbola", "offset")]
 
 
 def are_exact(surfaces: Surfaces, which: Index) -> NDArray[np.bool_]:
     """Whether surfaces `which` (n,) are rational in their own parameters (or their half-angle tangents)."""
     profile = surfaces.profiles.kind[surfaces.profile[which]]
-    return np.asarray((surfaces.kind[which] != SURFACES.index("offset")) & ~np.isin(profile, _INEXACT_PROFILES))
+    exact_profile = (profile != CURVES.index("hyperbola")) & (profile != CURVES.index("offset"))
+    return np.asarray((surfaces.kind[which] != SURFACES.index("offset")) & exact_profile)
 
 
 class PatchBuilder:
@@ -165,4 +165,5 @@ def _frames(numbers: Array) -> list[Array]:
 
 
 def _angular(surfaces: Surfaces, profile: Index) -> NDArray[np.bool_]:
-    return np.isin(surfaces.profiles.kind[profile], [CIRCLE, ELLIPSE])
+    kind = surfaces.profiles.kind[profile]
+    return np.asarray((kind == CIRCLE) | (kind == ELLIPSE))

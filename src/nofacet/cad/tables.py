@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _native
+
 Index = NDArray[np.intp]
 
 
@@ -24,13 +26,17 @@ def expand(offsets: Index, which: NDArray[Any]) -> tuple[Index, Index]:
 
 def expand_runs(start: NDArray[Any], count: NDArray[Any]) -> tuple[Index, Index]:
     """The numbers start[k] .. start[k] + count[k] - 1 for all k: k itself, and the numbers."""
-    before = np.cumsum(count) - count
-    owner = np.repeat(np.arange(len(count)), count)
-    return owner, np.arange(len(owner)) + (start - before)[owner]
+    return _native.expand(start, count)
 
 
-def rank_in_run(owner: NDArray[Any]) -> Index:
-    """The place of each row among the rows of its owner, for rows that are sorted by owner."""
-    places = np.arange(len(owner))
-    first = np.append(True, owner[1:] != owner[:-1])[: len(owner)]
-    return places - np.maximum.accumulate(np.where(first, places, 0))
+def distinct(keys: Index) -> tuple[Index, Index]:
+    """The distinct ones of keys (n,) in the order of their first appearance: where each stands first (k,), ascending,
+    and the place of each key's own there (n,)."""
+    return _native.distinct(keys)
+
+
+def marked(count: int, which: Any) -> NDArray[np.bool_]:
+    """(count,), True at the indices `which`, an array or a list."""
+    result = np.zeros(count, np.bool_)
+    result[np.asarray(which, np.intp)] = True
+    return result

@@ -30,11 +30,11 @@ from .loops import (
 )
 from .stream import Stream
 from .surfaces import INFINITE, collapsed, natural_bounds, periods
-from .tables import Index
+from .tables import Index, distinct, marked
 
 Array = NDArray[np.float64]
 
-_WITH_POLES = [SURFACES.index(kind) for kind in ("cone", "sphere", "torus", "revolution")]
+_HAS_POLES = np.array([kind in ("cone", "sphere", "torus", "revolution") for kind in SURFACES])
 _WIDE = 1e-3  # gap in a loop, in parts of its wire's extent, that may be the place of a period
 
 
@@ -83,7 +83,7 @@ def _at_poles(stream: Stream, faces: Index, order: Runs, curves: Segments, boxes
     before = corner_gaps(order, curves, boxes)
     loop = np.searchsorted(order.loop_offsets, before, side="right") - 1
     surface = stream.faces.surface[faces[order.face[loop]]]
-    chosen = np.flatnonzero(np.isin(stream.surfaces.kind[surface], _WITH_POLES))
+    chosen = np.flatnonzero(_HAS_POLES[stream.surfaces.kind[surface]])
     if not len(chosen):
         return result
     before, loop = before[chosen], loop[chosen]
@@ -109,7 +109,7 @@ def _runs(stream: Stream, faces: Index, uses: EdgeUses) -> tuple[Segments, Runs,
     start, end, size = use_ends(uses.wire, uses.reversed, curves)
     ordered = order_uses(uses.wire, start, end, size)
     difficult = _difficult(stream, faces, uses, ordered, start, end, size)
-    easy = ~np.isin(uses.face[ordered.use], difficult)
+    easy = ~marked(len(faces), difficult)[uses.face[ordered.use]]
     use, loop = ordered.use[easy], ordered.loop[easy]
     face, shift = uses.face[use], np.zeros((len(use), 2))
     problems: dict[int, str] = {}
@@ -131,14 +131,16 @@ def _difficult(
     stream: Stream, faces: Index, uses: EdgeUses, ordered: Ordered, start: Array, end: Array, size: Array
 ) -> Index:
     """Faces with a wire whose order is not plain, or with a gap in a loop on a surface that has a period."""
-    unclear = np.unique(uses.face[np.isin(uses.wire, ordered.unclear)])
+    wires = marked(uses.wire.max(initial=-1) + 1, ordered.unclear)
+    difficult = marked(len(faces), uses.face[wires[uses.wire]])
     use, loop = ordered.use, ordered.loop
     last = np.append(loop[1:] != loop[:-1], True)[: len(loop)]
     following = np.arange(1, len(use) + 1)
     following[last] = np.flatnonzero(np.append(True, last[:-1])[: len(loop)])
     gap = (np.abs(end[use] - start[use[following]]) > _WIDE * size[use]).any(axis=1)
-    face = np.unique(uses.face[use[gap]])
-    return np.union1d(unclear, face[stream.surfaces.may_be_periodic(stream.faces.surface[faces[face]])])
+    face = np.flatnonzero(marked(len(faces), uses.face[use[gap]]))
+    difficult[face[stream.surfaces.may_be_periodic(stream.faces.surface[faces[face]])]] = True
+    return np.flatnonzero(difficult)
 
 
 Rows = tuple[Index, Index, Index, Array]  # face, loop, use, shift
@@ -196,9 +198,6 @@ def _space(stream: Stream, index: int) -> ParameterSpace:
 def _edge_numbers(stream: Stream, uses: EdgeUses) -> Index:
     """Distinct edges (U,) counted in the order of their first use; -1 for seams and degenerate edges."""
     drawn = np.flatnonzero(~uses.seam & ~stream.edges.degenerated[uses.edge])
-    _, first, which = np.unique(uses.edge[drawn], return_index=True, return_inverse=True)
-    number = np.empty(len(first), np.intp)
-    number[np.argsort(first)] = np.arange(len(first))
     result = np.full(len(uses.face), -1, np.intp)
-    result[drawn] = number[which]
+    _, result[drawn] = distinct(uses.edge[drawn])
     return result
