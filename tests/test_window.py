@@ -158,15 +158,15 @@ def scenario_blink() -> None:
 
 def scenario_progress() -> None:
     """A progress bar is no reason to draw all the time: reading needs the processor, too."""
-    from nofacet_viewer.app import BUSY_SECONDS, SETTLING_FRAMES
+    from nofacet_viewer.panel_clock import BUSY_SECONDS, SETTLING_TURNS
 
     app = opened(FLANGE)
     app.session.reload()
-    until(app, lambda: not app._frames_due)
+    until(app, lambda: app._clock.patience(time.monotonic()) > 0)
     start, drawn = time.monotonic(), 0
     while app.session.loader.awaited:
         drawn += app.step(0.0)
-    assert 0 < drawn <= (time.monotonic() - start) / BUSY_SECONDS + 2 * SETTLING_FRAMES
+    assert 0 < drawn <= (time.monotonic() - start) / BUSY_SECONDS + 2 * SETTLING_TURNS
     app.close()
 
 
