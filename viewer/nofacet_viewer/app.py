@@ -22,7 +22,7 @@ from .keymap import Keymap, KeymapError
 from .loading import Fit, fit_camera
 from .meshing import MeshResult
 from .painter import Painter
-from .panel_clock import BUSY_SECONDS, FIGURE_SECONDS, PanelClock
+from .panel_clock import BUSY_SECONDS, FIGURE_SECONDS, SETTLING_TURNS, PanelClock
 from .panels.all import Panels
 from .pictures import picture_path, save_exact, save_window
 from .session import BLINK_SECONDS, Session
@@ -96,7 +96,8 @@ class App:
         self._clock = PanelClock()
         self._screenshot = False
         self._quit = False
-        self._draw()  # the window is to be seen before anything that takes time
+        for _ in range(SETTLING_TURNS):  # the window is to be seen before anything that takes time
+            self._draw()
         self.painter.warm(self.window.context.screen)
         self.window.attach(self)
 

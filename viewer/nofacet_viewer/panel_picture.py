@@ -33,11 +33,12 @@ class PanelPicture:
         self._texture: moderngl.Texture | None = None
         self._target: moderngl.Framebuffer | None = None
         self._boxes: list[Box] = []  # of the windows
+        self._kept = False
 
     def update(self, size: tuple[int, int]) -> None:
         """Take over what imgui.render() has made, for pictures of this size in pixels."""
-        self._boxes = [] if _beside_windows() else _window_boxes(size)
-        if not self._boxes:
+        self._boxes, self._kept = _window_boxes(size), not _beside_windows()
+        if not self._kept:
             return
         if self._target is None or self._target.size != size:
             self.release()
@@ -50,7 +51,7 @@ class PanelPicture:
     def draw(self, framebuffer: moderngl.Framebuffer) -> None:
         """Before what is in the framebuffer's lower left corner, as large as update() was told."""
         framebuffer.use()
-        if self._texture is None or not self._boxes:
+        if self._texture is None or not self._kept:
             self._renderer.render(imgui.get_draw_data())
             return
         set_uniforms(self._show, top_first=False)
