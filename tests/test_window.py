@@ -170,7 +170,38 @@ def scenario_progress() -> None:
     app.close()
 
 
-@pytest.mark.parametrize("scenario", ["keys", "mouse", "cursor", "pixels", "wipe", "blink", "progress"])
+def scenario_panels() -> None:
+    """Panels are copied before a picture as imgui draws them; a motion does not draw them anew each time."""
+    app = opened(FLANGE, view="side-by-side", size=(960, 540))
+    user, panels = User(app), app.window._panels
+    copied = shown(app)
+    panels._kept = False
+    np.testing.assert_array_equal(copied, shown(app))
+    panels._kept = True
+    hide_panels(app)
+    assert (copied != shown(app)).mean() > 0.05  # they were there
+    app.on_key("Tab", frozenset())
+
+    calls: list[str] = []
+    draw_panels, present = app.panels.draw, app.window.present
+    app.panels.draw = lambda: calls.append("panels") or draw_panels()
+    app.window.present = lambda: calls.append("picture") or present()
+    user.move(300, 240)
+    user.hold("left", True)
+    until(app, lambda: app._clock.patience(time.monotonic()) > 0)
+    calls.clear()
+    for step in range(40):
+        user.move(300 + step % 2, 241 + step)
+    assert calls.count("panels") < calls.count("picture") / 2
+    user.hold("left", False)
+    rest(app)
+    last = shown(app)
+    app.window.draw(app._paint, draw_panels)
+    np.testing.assert_array_equal(last, shown(app))  # nothing out of date is left
+    app.close()
+
+
+@pytest.mark.parametrize("scenario", ["keys", "mouse", "cursor", "pixels", "wipe", "blink", "progress", "panels"])
 def test_keys_and_mouse(scenario: str) -> None:
     run_in_window("test_window", f"scenario_{scenario}")
 

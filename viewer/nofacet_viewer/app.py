@@ -22,7 +22,7 @@ from .keymap import Keymap, KeymapError
 from .loading import Fit, fit_camera
 from .meshing import MeshResult
 from .painter import Painter
-from .panel_clock import BUSY_SECONDS, FIGURE_SECONDS, SETTLING_TURNS, PanelClock
+from .panel_clock import SETTLING_TURNS, PanelClock
 from .panels.all import Panels
 from .pictures import picture_path, save_exact, save_window
 from .session import BLINK_SECONDS, Session
@@ -207,7 +207,7 @@ class App:
         if session.update(time.monotonic()):
             self._clock.touch()
         if session.loader.awaited:
-            self._clock.follow(BUSY_SECONDS)
+            self._clock.follow_progress()
         self.exact.show(self._request())
         latest = self.exact.latest()
         if isinstance(latest, str):
@@ -215,7 +215,7 @@ class App:
             self._clock.touch()
         elif latest and latest.request.model is session.drawn:
             session.exact = latest
-            self._clock.follow(FIGURE_SECONDS)
+            self._clock.follow_picture()
         exact = session.exact
         whole = exact and exact.is_full and exact.request.model is session.drawn and not session.state.sections
         if exact and whole and session.state.view.shows_mesh:
@@ -288,7 +288,7 @@ class App:
         """Show the picture with the panels before it: as they were, where they are not due."""
         now = time.monotonic()
         moves_along = bool(self.session.inspection.points)  # what is measured is drawn over the picture
-        if moves_along or not self._clock.patience(now):
+        if moves_along or self._clock.due(now):
             self._clock.drawn(now)
             self.window.draw(self._paint, self.panels.draw)
         else:
