@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -184,8 +185,15 @@ def scenario_panels() -> None:
 
     calls: list[str] = []
     draw_panels, present = app.panels.draw, app.window.present
-    app.panels.draw = lambda: calls.append("panels") or draw_panels()
-    app.window.present = lambda: calls.append("picture") or present()
+
+    def noted(name: str, call: Callable[[], None]) -> Callable[[], None]:
+        def call_it() -> None:
+            calls.append(name)
+            call()
+
+        return call_it
+
+    app.panels.draw, app.window.present = noted("panels", draw_panels), noted("picture", present)
     user.move(300, 240)
     user.hold("left", True)
     until(app, lambda: app._clock.patience(time.monotonic()) > 0)
