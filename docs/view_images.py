@@ -16,10 +16,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 import nofacet
-from nofacet_viewer.app import SETTLING_FRAMES, App, Options
+from nofacet_viewer.app import App, Options
 from nofacet_viewer.controls import Button
 from nofacet_viewer.keymap import Keymap
 from nofacet_viewer.offscreen import side_resolution, write_view
+from nofacet_viewer.panel_clock import SETTLING_TURNS
 from nofacet_viewer.session import Session
 from nofacet_viewer.state import View
 
@@ -132,7 +133,7 @@ def is_measured(session: Session) -> bool:
 
 def screenshot(app: App, name: str) -> None:
     """What F12 writes, moved to the pictures."""
-    for _ in range(SETTLING_FRAMES + 1):
+    for _ in range(SETTLING_TURNS + 1):
         app.step(0.0)
     app.session.notice = None
     before = len(app.pictures)

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -158,19 +159,57 @@ def scenario_blink() -> None:
 
 def scenario_progress() -> None:
     """A progress bar is no reason to draw all the time: reading needs the processor, too."""
-    from nofacet_viewer.app import BUSY_SECONDS, SETTLING_FRAMES
+    from nofacet_viewer.panel_clock import BUSY_SECONDS, SETTLING_TURNS
 
     app = opened(FLANGE)
     app.session.reload()
-    until(app, lambda: not app._frames_due)
+    until(app, lambda: app._clock.patience(time.monotonic()) > 0)
     start, drawn = time.monotonic(), 0
     while app.session.loader.awaited:
         drawn += app.step(0.0)
-    assert 0 < drawn <= (time.monotonic() - start) / BUSY_SECONDS + 2 * SETTLING_FRAMES
+    assert 0 < drawn <= (time.monotonic() - start) / BUSY_SECONDS + 2 * SETTLING_TURNS
     app.close()
 
 
-@pytest.mark.parametrize("scenario", ["keys", "mouse", "cursor", "pixels", "wipe", "blink", "progress"])
+def scenario_panels() -> None:
+    """Panels are copied before a picture as imgui draws them; a motion does not draw them anew each time."""
+    app = opened(FLANGE, view="side-by-side", size=(960, 540))
+    user, panels = User(app), app.window._panels
+    copied = shown(app)
+    panels._kept = False
+    np.testing.assert_array_equal(copied, shown(app))
+    panels._kept = True
+    hide_panels(app)
+    assert (copied != shown(app)).mean() > 0.05  # they were there
+    app.on_key("Tab", frozenset())
+
+    calls: list[str] = []
+    draw_panels, present = app.panels.draw, app.window.present
+
+    def noted(name: str, call: Callable[[], None]) -> Callable[[], None]:
+        def call_it() -> None:
+            calls.append(name)
+            call()
+
+        return call_it
+
+    app.panels.draw, app.window.present = noted("panels", draw_panels), noted("picture", present)
+    user.move(300, 240)
+    user.hold("left", True)
+    until(app, lambda: app._clock.patience(time.monotonic()) > 0)
+    calls.clear()
+    for step in range(40):
+        user.move(300 + step % 2, 241 + step)
+    assert calls.count("panels") < calls.count("picture") / 2
+    user.hold("left", False)
+    rest(app)
+    last = shown(app)
+    app.window.draw(app._paint, draw_panels)
+    np.testing.assert_array_equal(last, shown(app))  # nothing out of date is left
+    app.close()
+
+
+@pytest.mark.parametrize("scenario", ["keys", "mouse", "cursor", "pixels", "wipe", "blink", "progress", "panels"])
 def test_keys_and_mouse(scenario: str) -> None:
     run_in_window("test_window", f"scenario_{scenario}")
 

@@ -102,7 +102,7 @@ def scenario_select_in_tree() -> None:
     user.click("left", x, y)
     rest(app)
     face = inspection.picked.face
-    until(app, lambda: app._touch() or any(row.face == face for row in panel._rows.rows))
+    until(app, lambda: app._clock.touch() or any(row.face == face for row in panel._rows.rows))
     node = session.model.tree[inspection.picked.node]
     user.click("left", x + 40, y)  # elsewhere, so that the next click is no double click
     user._hands.key("Shift_L", True)
@@ -176,7 +176,7 @@ def scenario_sections() -> None:
     for part in (0.47, 0.44, 0.41, 0.38):
         x, y = left + part * (right - left), session.cursor[1]
         user.move(x, y)
-        until(app, lambda: app._touch() or session.state.sections not in seen)
+        until(app, lambda: app._clock.touch() or session.state.sections not in seen)
         seen.append(session.state.sections)
         until(app, lambda: session.shown_exact is not None and session.shown_exact.request.sections == seen[-1])
         expected, found = cap_pixel(app) or (0, 9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -47,10 +48,15 @@ def rest(app: Any) -> None:
         exact = session.exact
         wanted = session.camera, session.drawn, session.state.sections
         full = exact and exact.is_full and (exact.request.camera, exact.request.model, exact.request.sections) == wanted
-        busy = session.tasks.running or session.tessellated.busy or session.inspection.busy or app._frames_due
+        busy = session.tasks.running or session.tessellated.busy or session.inspection.busy or panels_due(app)
         return bool(full and not busy)
 
     until(app, done)
+
+
+def panels_due(app: Any) -> bool:
+    """Whether panels are to be drawn again, now or soon."""
+    return bool(app._clock.patience(time.monotonic()) < math.inf)
 
 
 def shown(app: Any) -> np.ndarray:
@@ -68,7 +74,7 @@ def srgb(linear: np.ndarray) -> np.ndarray:
 def hide_panels(app: Any) -> None:
     """So that every pixel is the picture's."""
     app.on_key("Tab", frozenset())
-    until(app, lambda: not app._frames_due)
+    until(app, lambda: not panels_due(app))
 
 
 class User:
@@ -137,7 +143,7 @@ class User:
 
         self._hands.button("left", down)
         until(self._app, lambda: self._touched() and imgui.is_mouse_down(imgui.MouseButton_.left.value) == down)
-        self._app._touch()
+        self._app._clock.touch()
         self._app.step(0.01)
 
     def click_widget(self, label: str) -> None:
@@ -147,7 +153,7 @@ class User:
 
     def _touched(self) -> bool:
         """Panels are drawn again in the next step."""
-        self._app._touch()
+        self._app._clock.touch()
         return True
 
     def _watch_widgets(self) -> None:

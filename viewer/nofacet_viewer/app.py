@@ -22,6 +22,7 @@ from .keymap import Keymap, KeymapError
 from .loading import Fit, fit_camera
 from .meshing import MeshResult
 from .painter import Painter
+from .panel_clock import SETTLING_TURNS, PanelClock
 from .panels.all import Panels
 from .pictures import picture_path, save_exact, save_window
 from .session import BLINK_SECONDS, Session
@@ -33,10 +34,8 @@ from .window import Window
 TITLE = "nofacet"
 SIZE = (1280, 720)
 IDLE_SECONDS = 0.25  # between looks at the clock and at files
-BUSY_SECONDS = 0.1  # between pictures of a progress bar
 POLL_SECONDS = 0.01  # between looks whether the painter can go on
 REST_SECONDS = 0.1  # without a motion until the painter refines what it has painted
-SETTLING_FRAMES = 2  # that imgui needs after an input until its picture stays the same
 
 
 @dataclass(frozen=True)
@@ -94,11 +93,11 @@ class App:
         self.pictures: list[Path] = []  # that were written
         self._painted = Painted()
         self._moved = 0.0  # time.monotonic() at which another picture was asked for
-        self._frames_due = SETTLING_FRAMES
-        self._drawn = 0.0  # time.monotonic() of the last picture
+        self._clock = PanelClock()
         self._screenshot = False
         self._quit = False
-        self._draw()  # the window is to be seen before anything that takes time
+        for _ in range(SETTLING_TURNS):  # the window is to be seen before anything that takes time
+            self._draw()
         self.painter.warm(self.window.context.screen)
         self.window.attach(self)
 
@@ -136,9 +135,8 @@ class App:
                 self.painter.prepare(painted.state, painted.camera, painted.size)
             self.window.wait(0.0)  # input need not wait for both
             self.exact.show(self._request())  # nor need what it asks for
-        elif not self._frames_due:
+        elif self._clock.patience(time.monotonic()):
             return False
-        self._frames_due = max(0, self._frames_due - 1)
         self._draw()
         return True
 
@@ -146,7 +144,7 @@ class App:
 
     def on_key(self, key: str, modifiers: frozenset[str]) -> None:
         action = self.keymap.action(key, modifiers)
-        self._touch()
+        self._clock.touch()
         if action is None:
             return
         if action == "help":
@@ -163,45 +161,40 @@ class App:
             perform(self.session, action)
 
     def on_press(self, button: Button, at: Point, modifiers: frozenset[str]) -> None:
-        self._touch()
+        self._clock.touch()
         self.session.press(button, at, shift="Shift" in modifiers, ctrl="Ctrl" in modifiers)
 
     def on_release(self, button: Button, at: Point) -> None:
-        self._touch()
+        self._clock.touch()
         self.session.release(button, at)
         self.exact.rest(self._request())
 
     def on_move(self, at: Point) -> None:
         if self.session.controls.drag is None:  # else panels stay as they are: what moves is the picture
-            self._touch()
+            self._clock.touch()
         self.session.move(at)
 
     def on_wheel(self, notches: float, modifiers: frozenset[str]) -> None:
-        self._touch()
+        self._clock.touch()
         self.session.wheel(notches, to_cursor="Ctrl" in modifiers)
 
     def on_drop(self, paths: Sequence[str]) -> None:
-        self._touch()
+        self._clock.touch()
         if paths:
             self.session.open(paths)
 
     # One step
 
-    def _touch(self) -> None:
-        """Something has happened that panels may show."""
-        self._frames_due = SETTLING_FRAMES
-
     def _patience(self) -> float:
         """Seconds that nothing needs to be done if no input comes and no thread wakes us."""
-        if self._frames_due:
-            return 0.0
-        if self.session.loader.awaited:
-            return BUSY_SECONDS
+        seconds = [IDLE_SECONDS, self._clock.patience(time.monotonic())]
         if self.painter.busy:
-            return POLL_SECONDS
+            seconds.append(POLL_SECONDS)
         if self.session.tessellated.busy:
-            return MESH_POLL_SECONDS
-        return min(IDLE_SECONDS, BLINK_SECONDS / 4) if self.session.state.view is View.BLINK else IDLE_SECONDS
+            seconds.append(MESH_POLL_SECONDS)
+        if self.session.state.view is View.BLINK:
+            seconds.append(BLINK_SECONDS / 4)
+        return min(seconds)
 
     def _update(self) -> None:
         """Take over what other threads have finished, and ask them for what is needed next."""
@@ -210,19 +203,19 @@ class App:
         if self.window.resized:
             self.window.resized = False
             session.size = self.window.size
-            self._touch()
+            self._clock.touch()
         if session.update(time.monotonic()):
-            self._touch()
-        elif session.loader.awaited and time.monotonic() - self._drawn >= BUSY_SECONDS:
-            self._frames_due = max(self._frames_due, 1)
+            self._clock.touch()
+        if session.loader.awaited:
+            self._clock.follow_progress()
         self.exact.show(self._request())
         latest = self.exact.latest()
         if isinstance(latest, str):
             session.say(latest)
-            self._touch()
+            self._clock.touch()
         elif latest and latest.request.model is session.drawn:
             session.exact = latest
-            self._frames_due = max(self._frames_due, 1)
+            self._clock.follow_picture()
         exact = session.exact
         whole = exact and exact.is_full and exact.request.model is session.drawn and not session.state.sections
         if exact and whole and session.state.view.shows_mesh:
@@ -292,9 +285,14 @@ class App:
         return any(before[name] is not value for name, value in painted.__dict__.items())
 
     def _draw(self) -> None:
-        """Show the picture with the panels before it."""
-        self._drawn = time.monotonic()
-        self.window.draw(self._paint, self.panels.draw)
+        """Show the picture with the panels before it: as they were, where they are not due."""
+        now = time.monotonic()
+        moves_along = bool(self.session.inspection.points)  # what is measured is drawn over the picture
+        if moves_along or self._clock.due(now):
+            self._clock.drawn(now)
+            self.window.draw(self._paint, self.panels.draw)
+        else:
+            self.window.draw(self._paint)
         if self._screenshot:
             self._screenshot = False
             self._save_window()

@@ -20,6 +20,7 @@ from .panes import Pane, pane_resolution, panes
 from .sides import DrawnSide, ExactSide, SidePicture
 from .srgb import encoded
 from .state import WHITE, View, ViewState
+from .targets import picture_texture
 
 __all__ = ["OVERLAYS", "Painter"]
 
@@ -147,7 +148,7 @@ class Painter:
         colors = np.array([(1, 1, 1, 1), (1, 1, 1, 0.5)], np.float32)
         palette = Palette(self._context, colors, None, np.zeros(2, bool))
         camera = nofacet.Camera("orthographic", (9.0, 9.0, 9.0), (0.0, 0.0, 0.0), view_height=3.0)
-        pane = Pane(View.TESSELLATED, 0, 64, 64)
+        pane = Pane(View.TESSELLATED, 0, 60, 84)  # nor a quarter are powers of two, which have programs of their own
         drawn = DrawnSide(self._context, self._lines)
         drawn.set_mesh(mesh)
         for _ in range(2):  # the second is refined, and of the pane's own size
@@ -158,6 +159,14 @@ class Painter:
             drawn.refine(seconds=float("inf"))
         drawn.release()
         palette.release()
+        frame = picture_texture(self._context, (31, 33))
+        for way in (moderngl.LINEAR, moderngl.NEAREST):  # as in motion and at rest
+            frame.filter = way, way
+            self._compositor.draw(SidePicture(frame, top_first=True), pane)
+        frame.release()
+        framebuffer.scissor = 0, 0, 1, 1  # clearing a part, as between two sides
+        framebuffer.clear()
+        framebuffer.scissor = None
         self._context.finish()
 
     def prepare(self, state: ViewState, camera: nofacet.Camera, size: Size) -> None:

@@ -16,6 +16,7 @@ from nofacet import InputError
 from . import opengl  # noqa: F401  # sets up what the back end calls
 from .controls import Button, Point
 from .keymap import KEYS
+from .panel_picture import PanelPicture
 
 # isort: split
 from imgui_bundle.python_backends.glfw_backend import GlfwRenderer  # noqa: E402
@@ -70,6 +71,7 @@ class Window:
         imgui.create_context()
         imgui.get_io().set_ini_filename("")  # no file left behind
         self._gui: Any = GlfwRenderer(self._handle, attach_callbacks=False)
+        self._panels = PanelPicture(self.context, self._gui)
         self.resized = True  # since the caller has set it to False
         self._input: Input | None = None
         self._at: Point = (0.0, 0.0)  # the cursor as of the last event: asking glfw gives where it is by now
@@ -123,12 +125,15 @@ class Window:
         """End wait(); from any thread."""
         glfw.post_empty_event()
 
-    def draw(self, paint: Paint, panels: Callable[[], None]) -> None:
-        """Draw a picture, as large as the window, and panels before it. Still to be shown: present()."""
-        self._gui.process_inputs()
-        imgui.new_frame()
-        panels()
-        imgui.render()
+    def draw(self, paint: Paint, panels: Callable[[], None] | None = None) -> None:
+        """Draw a picture, as large as the window, and panels before it; None: as they were, at a fraction of the cost.
+        Still to be shown: present()."""
+        if panels:
+            self._gui.process_inputs()
+            imgui.new_frame()
+            panels()
+            imgui.render()
+            self._panels.update(self.size)
         self._draw_into(self.context.screen, paint)
 
     def pixels(self, paint: Paint) -> NDArray[np.uint8]:
@@ -145,6 +150,7 @@ class Window:
 
     def close(self) -> None:
         """Close the window and free all that belongs to it."""
+        self._panels.release()
         self._gui.shutdown()
         imgui.destroy_context()
         self.context.release()
@@ -155,8 +161,7 @@ class Window:
         # The screen's own size is what it was when the window was opened.
         target.viewport = target.scissor = 0, 0, *self.size
         paint(target)
-        target.use()
-        self._gui.render(imgui.get_draw_data())
+        self._panels.draw(target)
 
     def _position(self, x: float, y: float) -> Point:
         """Framebuffer pixels of screen coordinates."""

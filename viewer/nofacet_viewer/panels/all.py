@@ -10,7 +10,7 @@ from .assembly import AssemblyPanel
 from .figures import show_figures
 from .help import show_help
 from .inspector import show_inspector
-from .layout import MARGIN, OPACITY, SIDE_WIDTH
+from .layout import MARGIN, SIDE_WIDTH
 from .measuring import show_measurement
 from .messages import show_notice, show_progress, show_warnings
 from .sections import show_sections
@@ -44,7 +44,6 @@ class Panels:
     def _draw_side(self, width: float, height: float) -> None:
         imgui.set_next_window_pos((width - MARGIN, MARGIN), imgui.Cond_.always.value, (1.0, 0.0))
         imgui.set_next_window_size_constraints((SIDE_WIDTH, 0.0), (SIDE_WIDTH, height - 2 * MARGIN))
-        imgui.set_next_window_bg_alpha(OPACITY)
         flags = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.no_move.value
         keys = self._keymap.chords["help"]
         title = f"{keys[0]} shows all keys" if keys else "nofacet"

@@ -9,7 +9,6 @@ from imgui_bundle import imgui
 
 MARGIN = 8.0  # pixels between a panel and the window's border
 SIDE_WIDTH = 300.0
-OPACITY = 0.9
 PLAIN = (
     imgui.WindowFlags_.no_decoration.value
     | imgui.WindowFlags_.always_auto_resize.value
@@ -28,7 +27,6 @@ FAINT_COLOR = (0.7, 0.7, 0.7, 1.0)
 def panel(name: str, at: tuple[float, float], pivot: tuple[float, float], flags: int = PLAIN) -> Iterator[None]:
     """A window of imgui at a place; pivot: which of its points is there, (0, 0) its top left corner."""
     imgui.set_next_window_pos(at, imgui.Cond_.always.value, pivot)
-    imgui.set_next_window_bg_alpha(OPACITY)
     imgui.begin(name, None, flags)
     try:
         yield
