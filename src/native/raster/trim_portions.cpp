@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "raster/piece.h"
-#include "raster/screen_jet.h"
 
 namespace nofacet {
 namespace {
@@ -45,22 +44,39 @@ bool is_affine(const Piece& piece, const NetBounds& bounds) {
          piece.net.m == 1 && std::max(bounds.x.fab.magnitude(), bounds.y.fab.magnitude()) < kNegligiblePixels;
 }
 
+TrimPlace place_at(const Piece& piece, double u, double v) {
+  const ParameterMap::Local s = piece.patch->u.local(u), t = piece.patch->v.local(v);
+  const double s_width = piece.s1 - piece.s0, t_width = piece.t1 - piece.t0;
+  double a = (s.s - piece.s0) / s_width, b = (t.s - piece.t0) / t_width;
+  if (piece.transposed) std::swap(a, b);
+  return {u, v, a, b, s.slope / s_width, t.slope / t_width, ScreenJet(evaluate(piece.net, a, b))};
+}
+
+// The point `place` of a curve that runs through it.
+TrimPoint point_at(const Piece& piece, const TrimPlace& place, double t, const CurvePoint& c) {
+  double at = c.du * place.s_slope, bt = c.dv * place.t_slope;
+  if (piece.transposed) std::swap(at, bt);
+  const ScreenJet& screen = place.screen;
+  return {t,
+          place.u,
+          place.v,
+          place.a,
+          place.b,
+          screen.x,
+          screen.y,
+          screen.key,
+          at,
+          bt,
+          screen.xa * at + screen.xb * bt,
+          screen.ya * at + screen.yb * bt,
+          screen.ka * at + screen.kb * bt};
+}
+
 }  // namespace
 
 TrimPoint trim_point(const Piece& piece, const TrimArc& arc, double t) {
   const CurvePoint c = arc.at(t);
-  const ParameterMap::Local s = piece.patch->u.local(c.u), r = piece.patch->v.local(c.v);
-  const double s_width = piece.s1 - piece.s0, t_width = piece.t1 - piece.t0;
-  TrimPoint p;
-  p.t = t, p.u = c.u, p.v = c.v;
-  p.a = (s.s - piece.s0) / s_width, p.at = c.du * s.slope / s_width;
-  p.b = (r.s - piece.t0) / t_width, p.bt = c.dv * r.slope / t_width;
-  if (piece.transposed) std::swap(p.a, p.b), std::swap(p.at, p.bt);
-  const ScreenJet screen(evaluate(piece.net, p.a, p.b));
-  p.x = screen.x, p.xt = screen.xa * p.at + screen.xb * p.bt;
-  p.y = screen.y, p.yt = screen.ya * p.at + screen.yb * p.bt;
-  p.key = screen.key, p.kt = screen.ka * p.at + screen.kb * p.bt;
-  return p;
+  return point_at(piece, place_at(piece, c.u, c.v), t, c);
 }
 
 PortionFinder::PortionFinder(const Piece& piece, const NetBounds& bounds, const ScanPlanes& planes,
@@ -80,7 +96,15 @@ void PortionFinder::add(const TrimArc& arc) {
   double t0 = arc.t0, t1 = arc.t1;
   clip_to_slab(u_, arc.u0, arc.u1, arc, [](const TrimArc& c, double x) { return c.parameter_at_u(x); }, &t0, &t1);
   clip_to_slab(v_, arc.v0, arc.v1, arc, [](const TrimArc& c, double x) { return c.parameter_at_v(x); }, &t0, &t1);
-  if (t0 < t1) find(arc, trim_point(piece_, arc, t0), trim_point(piece_, arc, t1), 0);
+  if (!(t0 < t1)) return;
+  const TrimPoint from = end(arc, t0), to = end(arc, t1);
+  find(arc, from, to, 0);
+}
+
+TrimPoint PortionFinder::end(const TrimArc& arc, double t) {
+  const CurvePoint c = arc.at(t);
+  if (!last_end_ || last_end_->u != c.u || last_end_->v != c.v) last_end_ = place_at(piece_, c.u, c.v);
+  return point_at(piece_, *last_end_, t, c);
 }
 
 void PortionFinder::find(const TrimArc& arc, const TrimPoint& from, const TrimPoint& to, int halvings) {

@@ -1,10 +1,12 @@
 // The parts of trim curves that lie in one piece, each monotone in screen y.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "bezier/net.h"
 #include "bezier/parameter_map.h"
 #include "raster/scan_planes.h"
+#include "raster/screen_jet.h"
 #include "trim/curve.h"
 
 namespace nofacet {
@@ -16,6 +18,13 @@ struct Piece;
 struct TrimPoint {
   double t, u, v, a, b, x, y, key;
   double at, bt, xt, yt, kt;
+};
+
+// A point of a piece, by the face's parameters; derivatives of the patch's by these, over the piece's width.
+struct TrimPlace {
+  double u, v, a, b;
+  double s_slope, t_slope;
+  ScreenJet screen;
 };
 
 // A part of a trim arc inside one piece, along which the screen y moves one way only.
@@ -40,6 +49,7 @@ class PortionFinder {
   void finish();
 
  private:
+  TrimPoint end(const TrimArc& arc, double t);
   void find(const TrimArc& arc, const TrimPoint& from, const TrimPoint& to, int halvings);
   bool settle(const TrimArc& arc, const TrimPoint& from, const TrimPoint& to, Interval slope);
   void keep(const TrimArc& arc, const TrimPoint& from, const TrimPoint& to);
@@ -52,9 +62,10 @@ class PortionFinder {
   const ScanPlanes& planes_;
   std::vector<TrimPortion>& portions_;
   std::vector<double>& events_;
-  Interval u_, v_;              // of the piece
-  Interval s_slope_, t_slope_;  // of the patch's parameters by u and v, over the piece
-  bool affine_;                 // the map to the screen
+  Interval u_, v_;                     // of the piece
+  Interval s_slope_, t_slope_;         // of the patch's parameters by u and v, over the piece
+  bool affine_;                        // the map to the screen
+  std::optional<TrimPlace> last_end_;  // where the next arc of a loop mostly begins
   std::vector<double> scratch_;
   double a_width_ = 1.0, b_width_ = 1.0;  // of the restricted net
 };
