@@ -27,10 +27,6 @@ class PieceCutter {
   const std::vector<CutArc>& cut(const Piece& piece, const double* y, int count);
 
  private:
-  void cut_at_borders(const Piece& piece, const double* y, int count);
-  void split_at_folds(const Piece& piece, const double* y);
-
-  std::vector<CutArc> arcs_;
   // A border that the planes [first, last) cross, and where they do.
   struct Border {
     int first = 0, last = 0;
@@ -39,6 +35,10 @@ class PieceCutter {
     void solve(const double* points, std::size_t stride, int degree, const double* y);
   };
 
+  void cut_at_borders(const Piece& piece, const double* y, int count);
+  void split_at_folds(const Piece& piece, const double* y);
+
+  std::vector<CutArc> arcs_;
   Border borders_[4];  // b = 0, b = 1, a = 0 and a = 1
   PlaneRoots folds_, to_folds_;
   std::vector<int> fold_arcs_;
