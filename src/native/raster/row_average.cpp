@@ -28,6 +28,7 @@ void RowAverage::average(int row, const std::vector<VisibleSegment>& front, cons
   std::fill(mixed_.begin(), mixed_.end(), 0);
   for (const WeightedLine& weighted : lines) find_mixed(*weighted.line);
   find_veils(lines);
+  cursors_.assign(lines.size(), 0);
   const std::size_t start = std::size_t(row) * frame_.width;
   for (const FaceRun& run : runs_) {
     if (frame_.coverage) fill(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
@@ -122,7 +123,7 @@ void RowAverage::average_pixel(int row, int px, const std::vector<WeightedLine>&
   piece_colors_.clear();
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (veils_[k].empty()) {
-      add_opaque(*lines[k].line, px, lines[k].weight);
+      add_opaque(lines[k], cursors_[k], px);
     } else {
       add_layers(*lines[k].line, veils_[k], px, lines[k].weight);
     }
@@ -135,11 +136,13 @@ void RowAverage::average_pixel(int row, int px, const std::vector<WeightedLine>&
   std::copy_n(centre_rgb_, 3, before_rgb_);
 }
 
-void RowAverage::add_opaque(const ScanLine& line, int px, double weight) {
-  for (auto it = first_after(line.segments, px); it != line.segments.end() && it->x0 < px + 1.0; ++it) {
+void RowAverage::add_opaque(const WeightedLine& weighted, std::size_t& cursor, int px) {
+  const std::vector<VisibleSegment>& segments = weighted.line->segments;
+  while (cursor < segments.size() && segments[cursor].x1 <= px) ++cursor;
+  for (auto it = segments.begin() + cursor; it != segments.end() && it->x0 < px + 1.0; ++it) {
     const double from = std::max(it->x0, double(px)), to = std::min(it->x1, px + 1.0);
     if (!(from < to)) continue;
-    const double area = weight * (to - from);
+    const double area = weighted.weight * (to - from);
     coverage_ += area;
     alpha_ += area;
     if (!frame_.color) continue;

@@ -35,7 +35,7 @@ class RowAverage {
   void mark(int first, int last);
   void find_veils(const std::vector<WeightedLine>& lines);
   void average_pixel(int row, int px, const std::vector<WeightedLine>& lines);
-  void add_opaque(const ScanLine& line, int px, double weight);
+  void add_opaque(const WeightedLine& weighted, std::size_t& cursor, int px);
   void add_layers(const ScanLine& line, const std::vector<VisibleSegment>& veils, int px, double weight);
   void add_stack(double from, double to, double weight);
   void fragment_color(const Span& span, double x, float rgb[3]);
@@ -48,7 +48,8 @@ class RowAverage {
   Visibility& visibility_;
 
   std::vector<FaceRun> runs_;
-  std::vector<uint8_t> mixed_;                      // (width,)
+  std::vector<std::size_t> cursors_;  // of each line: the first segment that reaches into the pixel, or beyond
+  std::vector<uint8_t> mixed_;        // (width,)
   std::vector<std::vector<VisibleSegment>> veils_;  // of each line: transparent faces before the opaque ones
   // Of the pixel being averaged.
   int32_t centre_face_ = -1;
