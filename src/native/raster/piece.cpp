@@ -163,6 +163,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
     ++unresolved_;
     return;
   }
+  // Off the screen, or between two planes; bounds of a distorted piece (below) say nothing of that.
   const Interval weight = weight_range(net);
   const bool distorted = camera_.perspective && weight.lo * kLargestDepthRatio < weight.hi;
   if (distorted && is_off_screen(net, camera_)) return;

@@ -34,7 +34,7 @@ struct Piece {
   const Scene::PatchRef* patch;
   const Region* region;  // null: not trimmed here
   const TrimPortion* portions;
-  const double* events;  // y at which trim portions begin and end, ascending
+  const double* events;  // y at which trim portions begin, end or were left out, ascending (trim_portions.h)
   int32_t portion_count, event_count;
   int32_t face;
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
