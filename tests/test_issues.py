@@ -9,6 +9,7 @@ import pytest
 import nofacet
 from conftest import model_of, rectangle_group
 from nofacet.camera import Projection
+from nofacet.model import PatchGroup
 
 RESOLUTION = (160, 120)
 
@@ -156,3 +157,24 @@ def test_a_stretch_as_narrow_as_rounding_says_nothing_of_the_next_scan_plane() -
     frame = nofacet.render(disc, camera, (121, 91), samples=1, buffers=("face",))
     x, y = (np.arange(121) + 0.5 - 60.5) * 11.7 / 91, (np.arange(91) + 0.5 - 45.5) * 11.7 / 91
     np.testing.assert_array_equal(frame.face >= 0, np.hypot(x[None, :], y[:, None]) < 5.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_surfaces_that_meet_in_an_edge_and_cross_again_beside_it(sign: int) -> None:
+    """A parabola rises from a plane's edge and dives through the plane within .4 pixels: only the far end decided."""
+    pixel = 0.1
+    crossing = 0.4 * pixel
+    plane = rectangle_group(np.array([[[0.0, -2, 0], [0, 2, 0]], [[sign * 2.0, -2, 0], [sign * 2.0, 2, 0]]]))
+    # z = x (crossing - x) for 0 <= x <= 2.
+    column = np.array([[0.0, 0.0], [1.0, crossing], [2.0, 2 * (crossing - 2)]])
+    points = np.array([[[sign * x, y, z, 1.0] for y in (-2.0, 2.0)] for x, z in column])
+    parabola = PatchGroup(points[None], np.ones(1, np.int32), np.array([[0.0, 1, 0, 1]]), np.zeros((1, 2), np.uint8))
+    # The edge lies .2 pixels beside the centres of the middle column.
+    centre = 0.2 * sign * pixel
+    camera = nofacet.Camera("orthographic", (centre, 0, 10), (centre, 0, 0), (0, 1, 0), view_height=3.0)
+    frame = nofacet.render(model_of([plane, parabola]), camera, (81, 30), samples=1, buffers=("face",))
+    from_edge = sign * ((np.arange(81) - 40) * pixel + centre)
+    expected = np.where(from_edge < crossing, 1, 0)
+    expected[(from_edge < 0) | (from_edge > 2)] = -1
+    assert (expected == 1).sum() == 1
+    np.testing.assert_array_equal(frame.face, np.broadcast_to(expected, frame.face.shape))

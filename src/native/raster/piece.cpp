@@ -298,6 +298,17 @@ bool PieceBuilder::is_planar(const Net& net, Interval key) const {
   return net.n == 1 && net.m == 1 && fit_key_plane(net, key).error * pixels_per_key(camera_, key) < kNegligiblePixels;
 }
 
+namespace {
+
+// Bound of d^2 f / da^2 along the cuts y = const, on which db/da = -y_a / y_b. As y is constant there, f - c y bends as
+// f does, for any c; with c = f_b / y_b how b itself bends drops out.
+double bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
+  const Interval slope = -(y.fa / y.fb), c = f.fb / y.fb;
+  return (f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope)).magnitude();
+}
+
+}  // namespace
+
 // Fills in what a certified piece knows of its cuts.
 void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certificate& certificate,
                             Piece* piece) const {
@@ -310,7 +321,9 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   const QuotientBounds key = piece->transposed ? transposed_bounds(bounds.key) : bounds.key;
   piece->rising = y.fb.positive();
   piece->key = key.f;
+  const QuotientBounds x = piece->transposed ? transposed_bounds(bounds.x) : bounds.x;
   piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
+  piece->x_bend = bend_along_cut(x, y), piece->key_bend = bend_along_cut(key, y);
   const double key_pixels = pixels_per_key(camera_, key.f);
   piece->bend = std::max({bounds.x_remainder, bounds.y_remainder, bounds.key_remainder * key_pixels});
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;

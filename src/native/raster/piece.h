@@ -39,12 +39,13 @@ struct Piece {
   int32_t face;
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
   bool transposed;
-  bool rising;         // Y - y W grows with b
-  bool rational;       // the weights differ; else they are 1
-  bool planar;         // the key plane is exact: its error is below kNegligiblePixels
-  CutKind kind;        // uncertain: as small as kNegligiblePixels, drawn as a point
-  Interval x, y, key;  // pixels, pixels, depth key (camera.h)
-  Interval key_slope;  // d key / da along a cut
+  bool rising;              // Y - y W grows with b
+  bool rational;            // the weights differ; else they are 1
+  bool planar;              // the key plane is exact: its error is below kNegligiblePixels
+  CutKind kind;             // uncertain: as small as kNegligiblePixels, drawn as a point
+  Interval x, y, key;       // pixels, pixels, depth key (camera.h)
+  Interval key_slope;       // d key / da along a cut
+  double x_bend, key_bend;  // d^2 x / da^2 and d^2 key / da^2 along a cut, at most
   KeyPlane key_plane;
   double bend;  // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
 

@@ -9,6 +9,26 @@ namespace {
 constexpr double kFinestInterval = 0.5;      // pixels
 constexpr double kCrossingTolerance = 1e-6;  // pixels
 
+// key = at + slope x, to within +-error, all along a span: its chord or the piece's key plane, whichever is closer.
+struct KeyLine {
+  double at, slope, error;
+
+  explicit KeyLine(const Span& span) {
+    const Piece& piece = *span.piece;
+    const double length = span.a1 - span.a0;
+    slope = (span.key1 - span.key0) / (span.x1 - span.x0);
+    at = span.key0 - slope * span.x0;
+    // key - slope x is the same at both ends of the chord, and bends by no more than both its terms.
+    error = 0.125 * length * length * (piece.key_bend + std::fabs(slope) * piece.x_bend);
+    if (piece.key_plane.error <= error) {
+      slope = piece.key_plane.by_x;
+      at = piece.key_plane.key(0.0, span.y);
+      error = piece.key_plane.error;
+    }
+  }
+  double key(double x) const { return at + slope * x; }
+};
+
 auto first_after(const std::vector<VisibleSegment>& segments, double x) {
   return std::upper_bound(segments.begin(), segments.end(), x,
                           [](double value, const VisibleSegment& s) { return value < s.x1; });
@@ -152,18 +172,18 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
     const bool after = fresh.a0 + fresh.a1 > old.a0 + old.a1;
     return show(after == f.key_slope.positive() ? &old : &fresh, fresh, x0, x1);
   }
-  // By the key planes, which are linear along x.
-  const double f0 = f.key_plane.key(x0, fresh.y), f1 = f.key_plane.key(x1, fresh.y);
-  const double o0 = o.key_plane.key(x0, fresh.y), o1 = o.key_plane.key(x1, fresh.y);
-  const double error = f.key_plane.error + o.key_plane.error;
+  // By what is linear along x.
+  const KeyLine f_line(fresh), o_line(old);
+  const double f0 = f_line.key(x0), f1 = f_line.key(x1), o0 = o_line.key(x0), o1 = o_line.key(x1);
+  const double error = f_line.error + o_line.error;
   const Interval difference{std::min(f0 - o0, f1 - o1) - error, std::max(f0 - o0, f1 - o1) + error};
   if (const Span* nearer = decide(difference, {0.0, 0.0}, tie, fresh, old)) return show(nearer, fresh, x0, x1);
   // By both kinds of bounds together: one of the spans may be steep and the other long.
-  const auto bound = [](const Span& span, double k0, double k1) {
-    const double e = span.piece->key_plane.error;
+  const auto bound = [](const Span& span, double k0, double k1, double e) {
     return intersect({std::min(k0, k1) - e, std::max(k0, k1) + e}, {span.nearest, span.farthest});
   };
-  if (const Span* nearer = decide(bound(fresh, f0, f1), bound(old, o0, o1), tie, fresh, old)) {
+  if (const Span* nearer =
+          decide(bound(fresh, f0, f1, f_line.error), bound(old, o0, o1, o_line.error), tie, fresh, old)) {
     return show(nearer, fresh, x0, x1);
   }
   return compare_points(fresh, old, x0, x1);
@@ -194,44 +214,67 @@ bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, d
     } else if (!finest) {
       shown |= compare_points(fresh, old, x[k], x[k + 1]);
     } else {
-      shown |= cross(fresh, old, x[k], x[k + 1], f.key[k] - o.key[k], f.key[k + 1] - o.key[k + 1], tie(key.lo));
+      const KeyDifference left{x[k], f.key[k] - o.key[k]}, right{x[k + 1], f.key[k + 1] - o.key[k + 1]};
+      shown |= cross(fresh, old, left, right, tie(key.lo));
     }
   }
   return shown;
 }
 
-// Who is nearest on a stretch where at most one crossing is looked for, from the key differences at its ends.
-bool Visibility::cross(const Span& fresh, const Span& old, double x0, double x1, double d0, double d1, double tie) {
-  const bool tie0 = std::fabs(d0) <= tie, tie1 = std::fabs(d1) <= tie;
-  if (tie0 || tie1 || (d0 < 0) == (d1 < 0)) {
-    // Surfaces that touch at one end are told apart at the other.
-    const bool nearer = tie0 && tie1 ? fresh.piece->face < old.piece->face : (tie0 ? d1 : d0) < 0;
-    return show(nearer ? &fresh : &old, fresh, x0, x1);
-  }
-  const double crossing = solve_crossing(fresh, old, x0, x1, d0, d1);
-  push(x0, crossing, d0 < 0 ? &fresh : &old);
-  push(crossing, x1, d1 < 0 ? &fresh : &old);
+// Who is nearest between two x where at most one crossing is looked for.
+bool Visibility::cross(const Span& fresh, const Span& old, KeyDifference left, KeyDifference right, double tie) {
+  const bool tie_left = std::fabs(left.d) <= tie, tie_right = std::fabs(right.d) <= tie;
+  const double x0 = left.x, x1 = right.x;
+  if (tie_left && tie_right) return show(fresh.piece->face < old.piece->face ? &fresh : &old, fresh, x0, x1);
+  // Surfaces that touch at one end are told apart at the other, but they may cross beside the touch.
+  if (tie_left) left = leave_touch(fresh, old, x0, &right, tie);
+  if (tie_right) right = leave_touch(fresh, old, x1, &left, tie);
+  if ((left.d < 0) == (right.d < 0)) return show(left.d < 0 ? &fresh : &old, fresh, x0, x1);
+  const double crossing = solve_crossing(fresh, old, left, right);
+  push(x0, crossing, left.d < 0 ? &fresh : &old);
+  push(crossing, x1, right.d < 0 ? &fresh : &old);
   return true;
 }
 
-// Where the key difference, of opposite signs at x0 and x1, vanishes.
-double Visibility::solve_crossing(const Span& fresh, const Span& old, double x0, double x1, double d0,
-                                  double d1) const {
+// Follows the key difference of two spans that touch at `end` towards there, in ever shorter steps, the last of which
+// ends below 1e-5 px from it. *far moves along while the sign stays; returns where it is no longer the same, or the
+// end.
+Visibility::KeyDifference Visibility::leave_touch(const Span& fresh, const Span& old, double end, KeyDifference* far,
+                                                  double tie) const {
+  constexpr int kCount = SpanKeys::kCount;
+  const bool ascending = end < far->x;
+  const auto index = [&](int step) { return ascending ? kCount - 1 - step : step; };
+  double x[kCount], distance = far->x - end;
+  for (int step = 0; step < kCount; ++step) x[index(step)] = end + (distance *= 0.25);
+  SpanKeys f, o;
+  keys_at(fresh, x, &f);
+  keys_at(old, x, &o);
+  for (int step = 0; step < kCount; ++step) {
+    const int k = index(step);
+    const KeyDifference next{x[k], f.key[k] - o.key[k]};
+    if (std::fabs(next.d) <= tie) break;
+    if ((next.d < 0) != (far->d < 0)) return next;
+    *far = next;
+  }
+  return {end, far->d};
+}
+
+// Where the key difference, of opposite signs at two x, vanishes.
+double Visibility::solve_crossing(const Span& fresh, const Span& old, KeyDifference left, KeyDifference right) const {
   double a;
-  for (int iteration = 0; iteration < 60 && x1 - x0 > kCrossingTolerance; ++iteration) {
-    double x = iteration % 3 == 2 ? 0.5 * (x0 + x1) : x0 + (x1 - x0) * d0 / (d0 - d1);
-    if (!(x > x0 && x < x1)) x = 0.5 * (x0 + x1);
+  for (int iteration = 0; iteration < 60 && right.x - left.x > kCrossingTolerance; ++iteration) {
+    double x = 0.5 * (left.x + right.x);
+    if (iteration % 3 != 2) {
+      const double secant = left.x + (right.x - left.x) * left.d / (left.d - right.d);
+      if (secant > left.x && secant < right.x) x = secant;
+    }
     const double d = key_at(fresh, x, &a) - key_at(old, x, &a);
     if (d == 0.0) return x;
-    if ((d < 0) == (d0 < 0)) {
-      if (x - x0 < kCrossingTolerance) return x;
-      x0 = x, d0 = d;
-    } else {
-      if (x1 - x < kCrossingTolerance) return x;
-      x1 = x, d1 = d;
-    }
+    KeyDifference& moved = (d < 0) == (left.d < 0) ? left : right;
+    if (std::fabs(x - moved.x) < kCrossingTolerance) return x;
+    moved = {x, d};
   }
-  return 0.5 * (x0 + x1);
+  return 0.5 * (left.x + right.x);
 }
 
 }  // namespace nofacet

@@ -36,8 +36,8 @@ void merge_stretches(std::vector<Interval>& stretches);
 // patches differ by rounding only; the face with the lower index is then shown.
 //
 // Where two surfaces pass through each other the crossing is solved to 1e-6 px; a second crossing of the same two spans
-// within half a pixel along x may be missed. Spans are inserted in a fixed order, which decides only
-// on overlaps below kNegligiblePixels. One per thread.
+// within half a pixel along x may be missed, and so may one within 1e-5 px of where they touch. Spans are inserted in a
+// fixed order, which decides only on overlaps below kNegligiblePixels. One per thread.
 class Visibility {
  public:
   Visibility(const Camera& camera, double depth_tie) : camera_(camera), depth_tie_(depth_tie) {}
@@ -55,6 +55,10 @@ class Visibility {
   struct Range {
     std::ptrdiff_t first, last;
   };
+  // How much farther one span's key is than another's at x.
+  struct KeyDifference {
+    double x, d;
+  };
 
   Range merge(const Span& span, const std::vector<VisibleSegment>& segments);
   void push(double x0, double x1, const Span* span);
@@ -62,8 +66,9 @@ class Visibility {
   bool show(const Span* winner, const Span& fresh, double x0, double x1);
   bool compare(const Span& fresh, const Span& old, double x0, double x1);
   bool compare_points(const Span& fresh, const Span& old, double x0, double x1);
-  bool cross(const Span& fresh, const Span& old, double x0, double x1, double d0, double d1, double tie);
-  double solve_crossing(const Span& fresh, const Span& old, double x0, double x1, double d0, double d1) const;
+  bool cross(const Span& fresh, const Span& old, KeyDifference left, KeyDifference right, double tie);
+  KeyDifference leave_touch(const Span& fresh, const Span& old, double end, KeyDifference* far, double tie) const;
+  double solve_crossing(const Span& fresh, const Span& old, KeyDifference left, KeyDifference right) const;
 
   const Camera& camera_;
   double depth_tie_;

@@ -9,12 +9,17 @@ namespace {
 // Parameters and pixels; far above rounding, and below any stretch that lasts for many planes.
 constexpr double kLongStretch = 1e-6;
 
-// Bounds of the key between two points of a cut: by the mean value theorem from both ends.
+// Bounds of the key between two points of a cut: by the mean value theorem from both ends, and by how far a curve that
+// bends no more than the piece's cuts do can rise above and fall below its ends.
 Interval bound_key(const Piece& piece, double a0, double key0, double a1, double key1) {
   const Interval run = piece.key_slope * (a1 - a0);
   const Interval from_0{key0 + std::min(0.0, run.lo), key0 + std::max(0.0, run.hi)};
   const Interval from_1{key1 - std::max(0.0, run.hi), key1 - std::min(0.0, run.lo)};
-  return intersect(intersect(from_0, from_1), piece.key);
+  const double length = a1 - a0, bend = 0.5 * piece.key_bend * length * length, rise = std::fabs(key1 - key0);
+  // A parabola of that bend through both ends; from rise = bend on its vertex is not between them.
+  const double beyond = rise < bend ? 0.25 * (bend - rise) * (bend - rise) / bend : 0.0;
+  const Interval bent{std::min(key0, key1) - beyond, std::max(key0, key1) + beyond};
+  return intersect(intersect(intersect(from_0, from_1), bent), piece.key);
 }
 
 }  // namespace
