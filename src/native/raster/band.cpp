@@ -42,7 +42,8 @@ BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPla
       thread_(thread),
       frame_(frame),
       visibility_(camera, patches.depth_tie()),
-      average_(scene, camera, frame, visibility_) {
+      average_(scene, camera, frame, visibility_),
+      hidden_test_([this](Interval x, Interval y, double nearest) { return hidden(x, y, nearest); }) {
   if (sections) cuts_.emplace(scene, *sections, thread);
 }
 
@@ -107,10 +108,9 @@ void BandPainter::cut_patches() {
   for (std::size_t k = 0; k < band_patches_->size(); ++k) {
     const int32_t index = (*band_patches_)[k];
     const PlacedPatch& patch = patches_.patches()[index];
-    const auto [first, last] = planes_in(patch.y);
-    if (first == last || hidden(patch.x, patch.key.lo, first, last)) continue;
+    if (hidden(patch.x, patch.y, patch.key.lo)) continue;
     watch_.lap(times_.visibility);
-    const auto [piece, end] = patches_.pieces(index, thread_, std::span(*band_patches_).subspan(k + 1));
+    const auto [piece, end] = patches_.pieces(index, thread_, &hidden_test_, std::span(*band_patches_).subspan(k + 1));
     watch_.lap(times_.subdivide);
     for (const Piece* p = piece; p != end; ++p) cut_piece(*p, patch.cut);
   }
@@ -118,8 +118,8 @@ void BandPainter::cut_patches() {
 
 void BandPainter::cut_piece(const Piece& piece, bool sectioned) {
   auto [first, last] = planes_in(piece.y);
-  while (first < last && hidden(piece.x, piece.key.lo, first, first + 1)) ++first;
-  while (first < last && hidden(piece.x, piece.key.lo, last - 1, last)) --last;
+  while (first < last && hidden(piece.x, piece.key.lo, first)) ++first;
+  while (first < last && hidden(piece.x, piece.key.lo, last - 1)) --last;
   if (first == last) return;
   watch_.lap(times_.visibility);
   made_.clear();
@@ -145,11 +145,17 @@ std::pair<int, int> BandPainter::planes_in(Interval y) const {
   return {int(first - plane_y_.begin()), int(last - plane_y_.begin())};
 }
 
-// Whether the planes [first, last) show something nearer all over the range of x.
-bool BandPainter::hidden(Interval x, double nearest, int first, int last) const {
+// Whether the plane shows something nearer all over the range of x.
+bool BandPainter::hidden(Interval x, double nearest, int plane) const {
   const double x0 = std::max(x.lo, 0.0), x1 = std::min(x.hi, double(camera_.width));
+  return lines_[plane].hides(x0, x1, nearest - visibility_.tie(nearest));
+}
+
+// Whether all planes that lie in y do.
+bool BandPainter::hidden(Interval x, Interval y, double nearest) const {
+  const auto [first, last] = planes_in(y);
   for (int plane = first; plane < last; ++plane) {
-    if (!lines_[plane].hides(x0, x1, nearest - visibility_.tie(nearest))) return false;
+    if (!hidden(x, nearest, plane)) return false;
   }
   return true;
 }

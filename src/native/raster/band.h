@@ -40,7 +40,8 @@ class BandPainter {
   void cut_patches();
   void cut_piece(const Piece& piece, bool sectioned);
   void insert_caps(const double* y, int count, ScanLine* lines);
-  bool hidden(Interval x, double nearest, int first, int last) const;
+  bool hidden(Interval x, double nearest, int plane) const;
+  bool hidden(Interval x, Interval y, double nearest) const;
   std::pair<int, int> planes_in(Interval y) const;
   void insert_spans(const Piece& piece, ScanLine* lines);
 
@@ -62,6 +63,7 @@ class BandPainter {
   SpanMaker maker_;
   Visibility visibility_;
   RowAverage average_;
+  HiddenTest hidden_test_;
   std::optional<SectionCuts> cuts_;
   Stopwatch watch_;
   BandTimes times_;

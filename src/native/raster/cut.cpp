@@ -44,6 +44,17 @@ CutPoint solve_fold(const Piece& piece, double y, const CutPoint& from, const Cu
   return point;
 }
 
+// The homogeneous control points of a curve's parts over [0, t] and [t, 1] (de Casteljau), without gaps.
+void split_curve(const double* points, std::size_t stride, int degree, double t, double* left, double* right) {
+  double* work = right;
+  for (int i = 0; i <= degree; ++i) std::copy(points + i * stride, points + i * stride + 4, work + 4 * i);
+  for (int level = 0;; ++level) {
+    std::copy(work, work + 4, left + 4 * level);
+    if (level == degree) return;
+    for (int i = 0; i < 4 * (degree - level); ++i) work[i] += t * (work[i + 4] - work[i]);
+  }
+}
+
 // The root of Y - y W on a border that the plane meets once.
 double border_root(const double* points, std::size_t stride, int degree, double y) {
   double d[kMaxDegree + 1];
@@ -63,55 +74,84 @@ const std::vector<CutArc>& PieceCutter::cut(const Piece& piece, const double* y,
   return arcs_;
 }
 
-// Each border meets a plane at most once, so the four corners tell on which two borders a cut begins and ends. The
-// planes come in order of y: at each end, a = 0 and a = 1, the cuts of the first ones lie on one of the borders b = 0
-// and b = 1, those of the next ones on the end itself and the others' on the opposite border.
+// The cuts of a plane begin and end where it crosses the piece's borders: in order of a, every crossing enters or leaves.
 void PieceCutter::cut_at_borders(const Piece& piece, const double* y, int count) {
-  const Net& net = piece.net;
-  int reach[2], leave[2];  // the first plane whose cut ends on the end itself, and the first one after these
-  for (const int end : {0, 1}) {
-    const auto corner = [&](int j) {
-      const double* p = net.at(end * net.n, j);
-      return p[kY] / p[kW];
-    };
-    if (piece.rising) {
-      leave[end] = int(std::upper_bound(y, y + count, corner(net.m)) - y);
-      reach[end] = int(std::upper_bound(y, y + leave[end], corner(0)) - y);
-    } else {
-      reach[end] = int(std::lower_bound(y, y + count, corner(net.m)) - y);
-      leave[end] = int(std::lower_bound(y + reach[end], y + count, corner(0)) - y);
-    }
-    borders_[2 + end].first = reach[end], borders_[2 + end].last = leave[end];
+  border_count_ = 0;
+  for (const int k : {0, 1}) cross_end(piece, k, y, count);
+  for (const int k : {0, 1}) cross_side(piece, k, y, count);
+  int plane = count, last = 0;
+  for (std::size_t k = 0; k < border_count_; ++k) {
+    plane = std::min(plane, borders_[k].first);
+    last = std::max(last, borders_[k].last);
   }
-  const double first_b = piece.rising ? 0.0 : 1.0;  // where the cuts of the first planes end
-  Border &first_border = borders_[piece.rising ? 0 : 1], &last_border = borders_[piece.rising ? 1 : 0];
-  first_border.first = std::min(reach[0], reach[1]), first_border.last = std::max(reach[0], reach[1]);
-  last_border.first = std::min(leave[0], leave[1]), last_border.last = std::max(leave[0], leave[1]);
-
-  const std::size_t row = 4 * std::size_t(net.m + 1);
-  borders_[0].solve(net.at(0, 0), row, net.n, y);
-  borders_[1].solve(net.at(0, net.m), row, net.n, y);
-  borders_[2].solve(net.at(0, 0), 4, net.m, y);
-  borders_[3].solve(net.at(net.n, 0), 4, net.m, y);
-  const auto cut_end = [&](int plane, int end) -> CutPoint {
-    if (plane >= reach[end] && plane < leave[end]) {
-      const PlaneRoots& roots = borders_[2 + end].roots;
-      const int k = plane - reach[end];
-      return {double(end), roots.a[k], roots.x[k], roots.key[k]};
+  for (; plane < last; ++plane) {
+    points_.clear();
+    for (std::size_t k = 0; k < border_count_; ++k) {
+      const Border& border = borders_[k];
+      if (plane < border.first || plane >= border.last) continue;
+      const CutPoint point = border.point(plane);
+      auto place = points_.end();
+      while (place != points_.begin() && point.a < place[-1].a) --place;
+      points_.insert(place, point);
     }
-    const bool first = plane < reach[end];
-    const Border& border = first ? first_border : last_border;
-    const int k = plane - border.first;
-    return {border.roots.a[k], first ? first_b : 1.0 - first_b, border.roots.x[k], border.roots.key[k]};
-  };
-  for (int plane = first_border.first; plane < last_border.last; ++plane) {
-    const CutPoint from = cut_end(plane, 0), to = cut_end(plane, 1);
-    if (from.a < to.a) arcs_.push_back({plane, from, to});
+    for (std::size_t k = 1; k < points_.size(); k += 2) {
+      if (points_[k - 1].a < points_[k].a) arcs_.push_back({plane, int32_t(k / 2), points_[k - 1], points_[k]});
+    }
   }
 }
 
-void PieceCutter::Border::solve(const double* points, std::size_t stride, int degree, const double* y) {
-  if (first >= last) return;
+PieceCutter::Border& PieceCutter::next_border() {
+  if (border_count_ == borders_.size()) borders_.emplace_back();
+  return borders_[border_count_++];
+}
+
+// The border a = end, along which y moves one way.
+void PieceCutter::cross_end(const Piece& piece, int end, const double* y, int count) {
+  Border& border = next_border();
+  border.points = piece.net.at(end * piece.net.n, 0), border.stride = 4;
+  border.a = end, border.da = 0.0, border.b = 0.0, border.db = 1.0;
+  border.solve(piece.net.m, y, count);
+}
+
+// The border b = side, cut where y turns: neighbouring parts share the point there to the last digit.
+void PieceCutter::cross_side(const Piece& piece, int side, const double* y, int count) {
+  const Net& net = piece.net;
+  const std::size_t row = 4 * std::size_t(net.m + 1), part_size = 4 * std::size_t(net.n + 1);
+  const int turn_count = piece.turn_count[side];
+  const double* turns = piece.turns + (side == 0 ? 0 : piece.turn_count[0]);
+  const double* rest = net.at(0, side * net.m);
+  std::size_t stride = row;
+  double from = 0.0;
+  parts_.resize(2 * part_size * turn_count);
+  for (int k = 0; k <= turn_count; ++k) {
+    Border& border = next_border();
+    const double to = k < turn_count ? turns[k] : 1.0;
+    border.a = from, border.da = to - from, border.b = side, border.db = 0.0;
+    border.points = rest, border.stride = stride;
+    if (k < turn_count) {
+      double *left = parts_.data() + 2 * part_size * k, *right = left + part_size;
+      split_curve(rest, stride, net.n, (to - from) / (1.0 - from), left, right);
+      border.points = left, border.stride = 4;
+      rest = right, stride = 4;
+    }
+    border.solve(net.n, y, count);
+    from = to;
+  }
+}
+
+CutPoint PieceCutter::Border::point(int plane) const {
+  const int k = plane - first;
+  const double t = roots.a[k];
+  return {a + da * t, b + db * t, roots.x[k], roots.key[k]};
+}
+
+// A plane crosses if y is above one end and not above the other: all borders that share a corner judge it alike.
+void PieceCutter::Border::solve(int degree, const double* y, int plane_count) {
+  const double *begin = points, *end = points + degree * stride;
+  const double y0 = begin[kY] / begin[kW], y1 = end[kY] / end[kW];
+  first = int(std::upper_bound(y, y + plane_count, std::min(y0, y1)) - y);
+  last = int(std::upper_bound(y + first, y + plane_count, std::max(y0, y1)) - y);
+  if (first == last) return;
   const std::size_t count = last - first;
   roots.resize(count);
   std::copy(y + first, y + last, roots.y.begin());
@@ -171,8 +211,8 @@ void PieceCutter::split_at_folds(const Piece& piece, const double* y) {
     const bool found = folds_.step[next] < kRootStep && folds_.a[next] > arc.from.a && folds_.a[next] < arc.to.a;
     const CutPoint fold = found ? CutPoint{folds_.a[next], folds_.b[next], folds_.x[next], folds_.key[next], true}
                                 : solve_fold(piece, y[arc.plane], arc.from, arc.to);
-    split_.push_back({arc.plane, arc.from, fold});
-    split_.push_back({arc.plane, fold, arc.to});
+    split_.push_back({arc.plane, arc.curve, arc.from, fold});
+    split_.push_back({arc.plane, arc.curve, fold, arc.to});
     ++next;
   }
   arcs_.swap(split_);

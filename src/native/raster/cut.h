@@ -1,5 +1,6 @@
 // The curves in which scan planes cut a piece.
 #pragma once
+#include <deque>
 #include <vector>
 
 #include "raster/cut_kernels.h"
@@ -13,10 +14,10 @@ struct CutPoint {
   bool fold = false;  // x turns here
 };
 
-// A part of the cut by one plane, without regard to trim curves, along which x moves one way only: from.a < to.a. A
-// plane cuts a piece in one arc, or in two that share a fold.
+// A part of the cut by one plane, without regard to trim curves, along which x moves one way only: from.a < to.a.
 struct CutArc {
-  int plane;
+  int32_t plane;
+  int32_t curve;  // a plane may cut a piece in several curves, and a curve is one arc, or two that share a fold
   CutPoint from, to;
 };
 
@@ -27,19 +28,30 @@ class PieceCutter {
   const std::vector<CutArc>& cut(const Piece& piece, const double* y, int count);
 
  private:
-  // A border that the planes [first, last) cross, and where they do.
+  // A part of a border along which y moves one way: its points, its parameters from (a, b) to (a + da, b + db), the
+  // planes [first, last) that cross it, and where they do.
   struct Border {
-    int first = 0, last = 0;
+    const double* points;
+    std::size_t stride;
+    double a, da, b, db;
+    int first, last;
     PlaneRoots roots;
 
-    void solve(const double* points, std::size_t stride, int degree, const double* y);
+    void solve(int degree, const double* y, int count);
+    CutPoint point(int plane) const;
   };
 
+  Border& next_border();
   void cut_at_borders(const Piece& piece, const double* y, int count);
+  void cross_end(const Piece& piece, int end, const double* y, int count);
+  void cross_side(const Piece& piece, int side, const double* y, int count);
   void split_at_folds(const Piece& piece, const double* y);
 
   std::vector<CutArc> arcs_;
-  Border borders_[4];  // b = 0, b = 1, a = 0 and a = 1
+  std::deque<Border> borders_;  // the first border_count_ are the piece's
+  std::size_t border_count_ = 0;
+  std::vector<double> parts_;  // control points of parts of a border
+  std::vector<CutPoint> points_;
   PlaneRoots folds_, to_folds_;
   std::vector<int> fold_arcs_;
   std::vector<CutArc> split_;

@@ -17,6 +17,7 @@ constexpr std::size_t kTaskPatches = 64;  // patches handed to a thread at a tim
 bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes, PlacedPatch* out) {
   if (is_off_screen(net, camera)) return false;
   out->before_eye = true;
+  out->one_band = false;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) out->before_eye &= p[kW] > 0;
   if (!out->before_eye) {
     out->x = out->y = out->key = {-INFINITY, INFINITY};
@@ -25,20 +26,17 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
   out->x = hull_range(net, kX, kW);
   out->y = hull_range(net, kY, kW);
   out->key = hull_range(net, kZ, kW);
+  out->one_band = !planes.locates_level_edges() && planes.band_of(out->y.lo) == planes.band_of(out->y.hi);
   return planes.any_in(out->y.lo, out->y.hi);
 }
 
 }  // namespace
 
 std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, const ScanPlanes& planes) {
-  const int rows = planes.rows(), height = planes.band_rows(), bands = (rows + height - 1) / height;
-  std::vector<std::vector<int32_t>> result(bands);
-  const auto band_of = [&](double y) {
-    return std::clamp(int(std::clamp(y, -1.0, rows + 1.0)) / height, 0, bands - 1);
-  };
+  std::vector<std::vector<int32_t>> result(planes.bands());
   for (std::size_t k = 0; k < patches.size(); ++k) {
-    const int last = band_of(patches[k].y.hi + 1.0);
-    for (int band = band_of(patches[k].y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
+    const int last = planes.band_of(patches[k].y.hi + 1.0);
+    for (int band = planes.band_of(patches[k].y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
   }
   return result;
 }
@@ -63,7 +61,7 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   for (std::size_t face = 0; face < scene.model.face_count; ++face) {
     const int32_t d = scene.model.face_definition[face];
     for (std::size_t k = scene.patch_offsets[d]; k < scene.patch_offsets[d + 1]; ++k) {
-      all.push_back({int32_t(face), &scene.patches[k], {}, {}, {}, false, false});
+      all.push_back({int32_t(face), &scene.patches[k], {}, {}, {}, false, false, false});
     }
   }
   std::vector<uint8_t> shown(all.size());
@@ -81,13 +79,14 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   }
 }
 
-std::pair<const Piece*, const Piece*> FramePatches::pieces(int32_t index, int thread, std::span<const int32_t> next) {
+std::pair<const Piece*, const Piece*> FramePatches::pieces(int32_t index, int thread, const HiddenTest* hidden,
+                                                           std::span<const int32_t> next) {
   Slot& slot = slots_[index];
   Worker& worker = workers_[thread];
-  build(index, worker);
+  build(index, worker, patches_[index].one_band ? hidden : nullptr);
   std::size_t ahead = 0;
   while (slot.state.load(std::memory_order_acquire) != kReady) {
-    while (ahead < next.size() && !build(next[ahead], worker)) ++ahead;
+    while (ahead < next.size() && (patches_[next[ahead]].one_band || !build(next[ahead], worker, nullptr))) ++ahead;
     if (ahead == next.size()) std::this_thread::yield();
   }
   if (!slot.used.load(std::memory_order_relaxed)) slot.used.store(true, std::memory_order_relaxed);
@@ -95,7 +94,7 @@ std::pair<const Piece*, const Piece*> FramePatches::pieces(int32_t index, int th
 }
 
 // Makes the pieces of a patch unless some thread has begun to; whether it did.
-bool FramePatches::build(int32_t index, Worker& worker) {
+bool FramePatches::build(int32_t index, Worker& worker, const HiddenTest* hidden) {
   Slot& slot = slots_[index];
   int state = slot.state.load(std::memory_order_acquire);
   if (state != kUntouched || !slot.state.compare_exchange_strong(state, kInWork, std::memory_order_acquire)) {
@@ -103,7 +102,7 @@ bool FramePatches::build(int32_t index, Worker& worker) {
   }
   const int64_t before = worker.builder.unresolved();
   worker.found.clear();
-  worker.builder.add_patch(patches_[index].face, *patches_[index].patch, worker.found);
+  worker.builder.add_patch(patches_[index].face, *patches_[index].patch, hidden, worker.found);
   Piece* kept = worker.arena.take(worker.found.size());
   std::copy(worker.found.begin(), worker.found.end(), kept);
   slot.pieces = kept;

@@ -17,6 +17,7 @@ struct PlacedPatch {
   Interval x, y;     // pixels
   Interval key;      // depth key
   bool before_eye;   // all of it; else the bounds are infinite
+  bool one_band;     // the planes that may meet it are all of one band
   bool cut = false;  // a section plane may run through it
 };
 
@@ -35,7 +36,9 @@ class FramePatches {
   const std::vector<PlacedPatch>& patches() const { return patches_; }
   // The pieces of patches()[index], made at the first call by whichever thread comes first; they do not depend on it.
   // While another thread makes them, this one works ahead: it makes those of `next`, which it may ask for soon.
-  std::pair<const Piece*, const Piece*> pieces(int32_t index, int thread, std::span<const int32_t> next = {});
+  // Those of a patch of one band only are made by that band, without what is `hidden` there (null: nothing is).
+  std::pair<const Piece*, const Piece*> pieces(int32_t index, int thread, const HiddenTest* hidden = nullptr,
+                                               std::span<const int32_t> next = {});
 
   // Depths this close are the same surface: far above rounding, far below anything visible.
   double depth_tie() const { return depth_tie_; }
@@ -61,7 +64,7 @@ class FramePatches {
   };
 
   void place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads, const Sections* sections);
-  bool build(int32_t index, Worker& worker);
+  bool build(int32_t index, Worker& worker, const HiddenTest* hidden);
   template <class Value>
   int64_t sum_of_used(Value value) const;
 

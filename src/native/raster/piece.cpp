@@ -84,7 +84,8 @@ void append_turns(const double* first, int degree, std::size_t stride, std::vect
   if (rises || falls) return;
   double polynomial[kMaxPolynomial + 1], roots[kMaxPolynomial + 1];
   const int n = turning_polynomial(first, stride, kY, kW, degree, polynomial);
-  for (int k = bernstein_roots(polynomial, n, roots); k-- > 0;) {
+  const int count = bernstein_roots(polynomial, n, roots);
+  for (int k = 0; k < count; ++k) {
     if (roots[k] > 0.0 && roots[k] < 1.0) out.push_back(roots[k]);
   }
 }
@@ -112,10 +113,12 @@ Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const 
   return net;
 }
 
-void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out) {
+void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, const HiddenTest* hidden,
+                             std::vector<Piece>& out) {
   face_ = face;
   patch_ = &patch;
   region_ = scene_.regions[scene_.model.face_definition[face]].get();
+  hidden_ = hidden;
   out_ = &out;
   nodes_ = 0;
 
@@ -169,7 +172,10 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
   if (distorted && is_off_screen(net, camera_)) return;
   const ComponentRanges range = distorted ? ComponentRanges{} : ratio_ranges(net);
   const Interval x = range[kX], y = range[kY];
-  if (!distorted && (x.hi < 0 || x.lo > camera_.width || !planes_.any_in(y.lo, y.hi))) return;
+  if (!distorted) {
+    if (x.hi < 0 || x.lo > camera_.width || !planes_.any_in(y.lo, y.hi)) return;
+    if (hidden_ && (*hidden_)(x, y, range[kZ].lo)) return;
+  }
 
   // The trim arcs that still run through the piece; without any it is inside or outside as a whole.
   if (arcs) {
@@ -331,26 +337,29 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   piece->planar = piece->key_plane.error * key_pixels < kNegligiblePixels;
 }
 
-// Stores a certified piece, cut along the cut's own parameter where one of the borders along it turns in y: then no
-// scan plane meets a border twice.
+// Stores a certified piece with the turns of the borders along its cuts. A trimmed one is cut at them instead: then no
+// scan plane meets a border twice, and what lies between two trim crossings is one stretch.
 void PieceBuilder::emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate,
                                   const Box& box, const Arcs* arcs) {
-  const std::size_t row = 4 * std::size_t(net.m + 1);
-  turns_.assign({0.0});
-  if (certificate.transposed) {
-    append_turns(net.at(0, 0), net.m, 4, turns_);
-    append_turns(net.at(net.n, 0), net.m, 4, turns_);
-  } else {
-    append_turns(net.at(0, 0), net.n, row, turns_);
-    append_turns(net.at(0, net.m), net.n, row, turns_);
-  }
+  const bool across = certificate.transposed;
+  const int degree = across ? net.m : net.n;
+  const std::size_t stride = across ? 4 : 4 * std::size_t(net.m + 1);
+  turns_.clear();
+  append_turns(net.at(0, 0), degree, stride, turns_);
+  const std::size_t first_count = turns_.size();
+  append_turns(across ? net.at(net.n, 0) : net.at(0, net.m), degree, stride, turns_);
+  if (arcs && !turns_.empty()) return emit_cut_at_turns(net, certificate, box, arcs);
   Piece piece{};
-  if (turns_.size() == 1) {
-    describe(net, bounds, certificate, &piece);
-    emit(piece, net, box, arcs);
-    return;
-  }
-  turns_.push_back(1.0);
+  describe(net, bounds, certificate, &piece);
+  double* turns = turn_arena_.take(turns_.size());
+  std::copy(turns_.begin(), turns_.end(), turns);
+  piece.turns = turns;
+  piece.turn_count[0] = int32_t(first_count), piece.turn_count[1] = int32_t(turns_.size() - first_count);
+  emit(piece, net, box, arcs);
+}
+
+void PieceBuilder::emit_cut_at_turns(const Net& net, const Certificate& certificate, const Box& box, const Arcs* arcs) {
+  turns_.insert(turns_.end(), {0.0, 1.0});
   std::sort(turns_.begin(), turns_.end());
   part_.resize(net.size());
   for (std::size_t k = 1; k < turns_.size(); ++k) {
@@ -365,7 +374,7 @@ void PieceBuilder::emit_certified(const Net& net, const NetBounds& bounds, const
       inner.s0 = box.s0 + from * (box.s1 - box.s0), inner.s1 = box.s0 + to * (box.s1 - box.s0);
     }
     const Net part{net.n, net.m, part_.data()};
-    piece = {};
+    Piece piece{};
     describe(part, NetBounds(part), certificate, &piece);
     emit(piece, part, inner, arcs);
   }

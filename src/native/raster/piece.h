@@ -7,6 +7,7 @@
 // (METHODS section 3; Nishita, Kaneda, Nakamae 1991, with certificates instead of a flatness test).
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "arena.h"
@@ -28,7 +29,7 @@ struct KeyPlane {
   double key(double x, double y) const { return at + by_x * x + by_y * y; }
 };
 
-// No scan plane meets one of its four borders twice.
+// No scan plane meets a border a = 0 or a = 1 twice; the other two may turn in y, if the piece is not trimmed.
 struct Piece {
   Net net;  // a = the patch's s and b = its t, or the other way round if transposed
   const Scene::PatchRef* patch;
@@ -36,6 +37,8 @@ struct Piece {
   const TrimPortion* portions;
   const double* events;  // y at which trim portions begin, end or were left out, ascending (trim_portions.h)
   int32_t portion_count, event_count;
+  const double* turns;    // the a at which the border b = 0 turns in y, ascending, then those of b = 1
+  int32_t turn_count[2];  // of either
   int32_t face;
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
   bool transposed;
@@ -66,14 +69,18 @@ struct Piece {
 Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
                   std::vector<double>& points);
 
+// Whether everything in a range of the screen that is no nearer than a key is known to be hidden.
+using HiddenTest = std::function<bool(Interval x, Interval y, double nearest)>;
+
 // Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
 class PieceBuilder {
  public:
   PieceBuilder(const Scene& scene, const Camera& camera, const ScanPlanes& planes)
       : scene_(scene), camera_(camera), planes_(planes) {}
 
-  // Appends the pieces of one placed patch that some scan plane of the frame meets.
-  void add_patch(int32_t face, const Scene::PatchRef& patch, std::vector<Piece>& out);
+  // Appends the pieces of one placed patch that some scan plane of the frame meets, without those that are `hidden`
+  // (null: not asked).
+  void add_patch(int32_t face, const Scene::PatchRef& patch, const HiddenTest* hidden, std::vector<Piece>& out);
 
   // Pieces that resisted certification down to the depth limit and were left out. 0 in a sound frame.
   int64_t unresolved() const { return unresolved_; }
@@ -98,6 +105,7 @@ class PieceBuilder {
   bool is_planar(const Net& net, Interval key) const;
   void emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Box& box,
                       const Arcs* arcs);
+  void emit_cut_at_turns(const Net& net, const Certificate& certificate, const Box& box, const Arcs* arcs);
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
   void add_portions(Piece& piece, const Arcs& arcs);
 
@@ -106,7 +114,7 @@ class PieceBuilder {
   const ScanPlanes& planes_;
   Arena<double> nets_;
   Arena<TrimPortion> portion_arena_;
-  Arena<double> event_arena_;
+  Arena<double> event_arena_, turn_arena_;
   std::vector<TrimPortion> portions_;
   std::vector<double> events_;
   std::vector<double> projected_, turns_, part_;
@@ -119,6 +127,7 @@ class PieceBuilder {
   const Scene::PatchRef* patch_ = nullptr;
   const Region* region_ = nullptr;
   int32_t face_ = 0;
+  const HiddenTest* hidden_ = nullptr;
   std::vector<Piece>* out_ = nullptr;
 };
 

@@ -167,8 +167,8 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
     return show(nearer, fresh, x0, x1);
   }
   const Piece &f = *fresh.piece, &o = *old.piece;
-  // Two branches of one cut, on both sides of a fold: along it the key moves one way.
-  if (&f == &o && f.key_slope.one_signed() && fresh.plane == old.plane) {
+  // Two branches of one curve, on both sides of a fold: along it the key moves one way.
+  if (&f == &o && f.key_slope.one_signed() && fresh.plane == old.plane && fresh.curve == old.curve) {
     const bool after = fresh.a0 + fresh.a1 > old.a0 + old.a1;
     return show(after == f.key_slope.positive() ? &old : &fresh, fresh, x0, x1);
   }

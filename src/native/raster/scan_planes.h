@@ -32,6 +32,11 @@ class ScanPlanes {
   bool centre() const { return centre_; }
   // Rows handed to a thread at a time: a band, whose planes show no more than a processor's cache holds.
   int band_rows() const { return locates_level_edges() ? 8 : 16; }
+  int bands() const { return (rows_ + band_rows() - 1) / band_rows(); }
+  // The band that y lies in, or the nearest.
+  int band_of(double y) const {
+    return std::clamp(int(std::clamp(y, -1.0, rows_ + 1.0)) / band_rows(), 0, bands() - 1);
+  }
   bool locates_level_edges() const { return samples_ >= kLevelSamples; }
   // Whether the centre plane is one of the sample planes.
   bool centre_is_sample() const { return samples_ % 2 == 1; }

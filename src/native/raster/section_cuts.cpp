@@ -214,7 +214,7 @@ void SectionCuts::fill_stretch(const Border& of, double x0, double x1, int32_t p
   const double b = (y - cap.y.lo) / cap.y.width();
   const double key0 = cap.key_plane.key(clipped.lo, y), key1 = cap.key_plane.key(clipped.hi, y);
   cap_spans_.push_back({&cap, y, clipped.lo, clipped.hi, a(clipped.lo), b, a(clipped.hi), b, key0, key1,
-                        std::min(key0, key1), std::max(key0, key1), plane, false, false});
+                        std::min(key0, key1), std::max(key0, key1), plane, false, false, 0});
 }
 
 }  // namespace nofacet

@@ -30,13 +30,13 @@ Interval Span::key_between(double a_from, double key_from, double a_to, double k
 
 namespace {
 
-void append_untrimmed(const Piece& piece, double y, int plane, int width, const CutPoint& from, const CutPoint& to,
-                      std::vector<Span>& out) {
+void append_untrimmed(const Piece& piece, double y, const CutArc& arc, int plane, int width, const CutPoint& from,
+                      const CutPoint& to, std::vector<Span>& out) {
   const CutPoint &left = from.x <= to.x ? from : to, &right = from.x <= to.x ? to : from;
   if (!(left.x < right.x) || right.x <= 0.0 || left.x >= width) return;
   const Interval key = bound_key(piece, left.a, left.key, right.a, right.key);
   out.push_back({&piece, y, left.x, right.x, left.a, left.b, right.a, right.b, left.key, right.key, key.lo, key.hi,
-                 plane, left.fold, right.fold});
+                 plane, left.fold, right.fold, uint16_t(arc.curve)});
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
   const std::vector<CutArc>& arcs = cutter_.cut(piece, y, count);
   if (!piece.region) {
     for (const CutArc& arc : arcs) {
-      append_untrimmed(piece, y[arc.plane], first_plane + arc.plane, width, arc.from, arc.to, out);
+      append_untrimmed(piece, y[arc.plane], arc, first_plane + arc.plane, width, arc.from, arc.to, out);
     }
     return;
   }
@@ -66,7 +66,7 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
     }
     const auto add = [&](const CutPoint& from, const CutPoint& to, std::size_t stretch) {
       if (inside(piece, level, from, to, stretch)) {
-        append_untrimmed(piece, level, first_plane + plane, width, from, to, out);
+        append_untrimmed(piece, level, arc, first_plane + plane, width, from, to, out);
       }
     };
     CutPoint from = arc.from;
@@ -119,7 +119,7 @@ void SpanMaker::append_point(const Piece& piece, const double* y, int count, int
   for (int k = 0; k < count; ++k) {
     if (!(piece.y.lo <= y[k] && y[k] < piece.y.hi)) continue;
     out.push_back({&piece, y[k], piece.x.lo, piece.x.hi, 0.5, 0.5, 0.5, 0.5, piece.key.lo, piece.key.lo, piece.key.lo,
-                   piece.key.hi, first_plane + k, false, false});
+                   piece.key.hi, first_plane + k, false, false, 0});
   }
 }
 

@@ -19,6 +19,7 @@ struct Span {
   double nearest, farthest;  // bounds of the key along the span
   int32_t plane;             // index of the scan plane in its band
   bool fold0, fold1;         // x turns at x0, at x1
+  uint16_t curve;            // of the curves in which the plane cuts the piece
   int32_t order = 0;         // of the piece in its band
 
   // Bounds of the key between two points of the span.
