@@ -112,8 +112,8 @@ Scaled shifted(const Net& net, Component which, const Scaled& weight) {
 
 }  // namespace
 
-void jacobian_form(const Net& net, bool rational, Grid out) {
-  const Scaled w = component(net, kW), x = shifted(net, kX, w), y = shifted(net, kY, w);
+void jacobian_form(const Net& net, bool rational, Component along, Grid out) {
+  const Scaled w = component(net, kW), x = shifted(net, along, w), y = shifted(net, kY, w);
   const Scaled xa = derivative_a(x), xb = derivative_b(x), ya = derivative_a(y), yb = derivative_b(y);
   if (!rational) {
     store(cross(xa, yb, xb, ya), out);

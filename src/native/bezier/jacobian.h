@@ -13,6 +13,8 @@ struct Grid {
   double* coefficients = nullptr;
 
   std::size_t size() const { return std::size_t(n + 1) * (m + 1); }
+  // Of the coefficients, and so of the form.
+  Interval range() const { return value_range(coefficients, size()); }
 };
 
 // Degrees of the two forms below. With weights that differ, J stands for its numerator det(P, P_a, P_b) of
@@ -27,8 +29,8 @@ struct JacobianDegrees {
         turn_m(j_m + (rational ? 2 * m - 1 : m - 1)) {}
 };
 
-// Writes J; `out` has the degrees for it.
-void jacobian_form(const Net& net, bool rational, Grid out);
+// Writes J, of y and `along` (kX; with kZ the depth key takes the place of x); `out` has the degrees for it.
+void jacobian_form(const Net& net, bool rational, Component along, Grid out);
 // Writes J_a y_b - J_b y_a, which has the sign of dJ along the curves y = const, once y_b is positive. Returns the size
 // of its terms: its rounding errors are within about 1e-15 of that.
 double turn_form(const Net& net, bool rational, const Grid& jacobian, Grid out);

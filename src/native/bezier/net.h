@@ -52,6 +52,8 @@ struct DifferenceRanges {
   ComponentRanges value, a, b, aa, ab, bb;
 };
 
+// Of numbers that lie side by side.
+Interval value_range(const double* values, std::size_t count);
 // Ranges of the control points' X / W, Y / W and Z / W; needs all W > 0.
 ComponentRanges ratio_ranges(const Net& net);
 DifferenceRanges difference_ranges(const Net& net);

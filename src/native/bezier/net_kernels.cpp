@@ -70,10 +70,26 @@ void Ratios(const Net& net, ComponentRanges& out) {
     Range range;
     range.start(d);
     for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
-      range.include(hn::Div(hn::LoadU(d, p + part), hn::Set(d, p[kW])));
+      const V v = hn::LoadU(d, p + part);
+      range.include(p[kW] == 1.0 ? v : hn::Div(v, hn::Set(d, p[kW])));
     }
     range.store(d, part, 1.0, out);
   }
+}
+
+void Values(const double* values, std::size_t count, Interval& out) {
+  const hn::CappedTag<double, 8> d;
+  const std::size_t width = hn::Lanes(d);
+  if (count < width) {
+    for (std::size_t k = 0; k < count; ++k) out.include(values[k]);
+    return;
+  }
+  auto lo = hn::LoadU(d, values), hi = lo;
+  for (std::size_t k = width; k < count; k += width) {
+    const auto v = hn::LoadU(d, values + std::min(k, count - width));
+    lo = hn::Min(lo, v), hi = hn::Max(hi, v);
+  }
+  out = {hn::GetLane(hn::MinOfLanes(d, lo)), hn::GetLane(hn::MaxOfLanes(d, hi))};
 }
 
 void Differences(const Net& net, DifferenceRanges& out) {
@@ -173,6 +189,7 @@ namespace nofacet {
 
 HWY_EXPORT(Halve);
 HWY_EXPORT(Ratios);
+HWY_EXPORT(Values);
 HWY_EXPORT(Differences);
 HWY_EXPORT(FirstDifferences);
 HWY_EXPORT(Evaluate);
@@ -191,6 +208,12 @@ ComponentRanges ratio_ranges(const Net& net) {
   ComponentRanges ranges;
   HWY_DYNAMIC_DISPATCH(Ratios)(net, ranges);
   return ranges;
+}
+
+Interval value_range(const double* values, std::size_t count) {
+  Interval range = Interval::empty();
+  HWY_DYNAMIC_DISPATCH(Values)(values, count, range);
+  return range;
 }
 
 DifferenceRanges difference_ranges(const Net& net) {

@@ -104,12 +104,6 @@ Certificate certify_cut(const Net& net, const NetBounds& bounds) {
 
 namespace {
 
-Interval range_of(const Grid& grid) {
-  Interval range = Interval::empty();
-  for (std::size_t k = 0; k < grid.size(); ++k) range.include(grid.coefficients[k]);
-  return range;
-}
-
 // How much the form changes along a, and along b.
 double variation(const Grid& grid, bool along_a) {
   const int row = grid.m + 1, stride = along_a ? row : 1;
@@ -135,14 +129,14 @@ Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Gri
   certificate.transposed = straight && across ? slope(turned) < slope(y) : across;
   // J is at most W^3 steepness times dx/da along a cut. What it reaches to the other side of zero, if only by rounding
   // on a border that is a silhouette, moves x back by no more than is negligible.
-  const Interval j = range_of(jacobian);
+  const Interval j = jacobian.range();
   const double steepness = (certificate.transposed ? turned : y).fb.mignitude();
   const double pixel = steepness * scales.weight * scales.weight * scales.weight;
   if (j.magnitude() < kSliverPixels * pixel) {
     certificate.kind = CutKind::sliver;
   } else if (j.lo > -kNegligiblePixels * pixel || j.hi < kNegligiblePixels * pixel) {
     certificate.kind = CutKind::regular;
-  } else if (turn.coefficients && clearly_one_signed(range_of(turn), scales.turn_terms)) {
+  } else if (turn.coefficients && clearly_one_signed(turn.range(), scales.turn_terms)) {
     certificate.kind = CutKind::fold;
   } else {
     certificate.halve = variation(jacobian, true) >= variation(jacobian, false) ? Halve::a : Halve::b;

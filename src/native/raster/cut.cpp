@@ -74,27 +74,31 @@ const std::vector<CutArc>& PieceCutter::cut(const Piece& piece, const double* y,
   return arcs_;
 }
 
-// The cuts of a plane begin and end where it crosses the piece's borders: in order of a, every crossing enters or leaves.
+// The cuts of a plane begin and end where it crosses the piece's borders: in order of a, every crossing enters or
+// leaves.
 void PieceCutter::cut_at_borders(const Piece& piece, const double* y, int count) {
   border_count_ = 0;
-  for (const int k : {0, 1}) cross_end(piece, k, y, count);
-  for (const int k : {0, 1}) cross_side(piece, k, y, count);
+  cross_end(piece, 0, y, count);
+  cross_side(piece, 0, y, count);
+  cross_side(piece, 1, y, count);
+  cross_end(piece, 1, y, count);
+  points_.resize(border_count_);
   int plane = count, last = 0;
   for (std::size_t k = 0; k < border_count_; ++k) {
     plane = std::min(plane, borders_[k].first);
     last = std::max(last, borders_[k].last);
   }
   for (; plane < last; ++plane) {
-    points_.clear();
+    std::size_t found = 0;
     for (std::size_t k = 0; k < border_count_; ++k) {
       const Border& border = borders_[k];
       if (plane < border.first || plane >= border.last) continue;
-      const CutPoint point = border.point(plane);
-      auto place = points_.end();
-      while (place != points_.begin() && point.a < place[-1].a) --place;
-      points_.insert(place, point);
+      points_[found] = border.point(plane);
+      for (std::size_t i = found++; i > 0 && points_[i].a < points_[i - 1].a; --i) {
+        std::swap(points_[i], points_[i - 1]);
+      }
     }
-    for (std::size_t k = 1; k < points_.size(); k += 2) {
+    for (std::size_t k = 1; k < found; k += 2) {
       if (points_[k - 1].a < points_[k].a) arcs_.push_back({plane, int32_t(k / 2), points_[k - 1], points_[k]});
     }
   }

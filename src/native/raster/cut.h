@@ -1,6 +1,5 @@
 // The curves in which scan planes cut a piece.
 #pragma once
-#include <deque>
 #include <vector>
 
 #include "raster/cut_kernels.h"
@@ -48,7 +47,7 @@ class PieceCutter {
   void split_at_folds(const Piece& piece, const double* y);
 
   std::vector<CutArc> arcs_;
-  std::deque<Border> borders_;  // the first border_count_ are the piece's
+  std::vector<Border> borders_;  // the first border_count_ are the piece's
   std::size_t border_count_ = 0;
   std::vector<double> parts_;  // control points of parts of a border
   std::vector<CutPoint> points_;

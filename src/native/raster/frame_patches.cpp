@@ -49,8 +49,7 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
     if (placed.before_eye) depth.include(camera.depth(placed.key.lo)), depth.include(camera.depth(placed.key.hi));
   }
   if (depth.lo <= depth.hi) depth_tie_ = 1e-11 * depth.magnitude() + 1e-10 * depth.width();
-  std::stable_sort(patches_.begin(), patches_.end(),
-                   [](const PlacedPatch& p, const PlacedPatch& q) { return p.key.lo < q.key.lo; });
+  sort_by_key();
   slots_ = std::make_unique<Slot[]>(patches_.size());
   for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes), {}, {}});
 }
@@ -77,6 +76,17 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (shown[k]) patches_.push_back(all[k]);
   }
+}
+
+void FramePatches::sort_by_key() {
+  std::vector<std::pair<double, int32_t>> order;
+  order.reserve(patches_.size());
+  for (const PlacedPatch& patch : patches_) order.emplace_back(patch.key.lo, int32_t(order.size()));
+  std::sort(order.begin(), order.end());
+  std::vector<PlacedPatch> sorted;
+  sorted.reserve(patches_.size());
+  for (const auto& [key, index] : order) sorted.push_back(patches_[index]);
+  patches_.swap(sorted);
 }
 
 std::pair<const Piece*, const Piece*> FramePatches::pieces(int32_t index, int thread, const HiddenTest* hidden,

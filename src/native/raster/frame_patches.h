@@ -64,6 +64,7 @@ class FramePatches {
   };
 
   void place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads, const Sections* sections);
+  void sort_by_key();
   bool build(int32_t index, Worker& worker, const HiddenTest* hidden);
   template <class Value>
   int64_t sum_of_used(Value value) const;

@@ -123,7 +123,7 @@ void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, const H
   nodes_ = 0;
 
   const Net net = projected_net(scene_, camera_, face, patch, projected_);
-  Node root{net, {}, {}, {0.0, 1.0, 0.0, 1.0}};
+  Node root{net, {}, {}, {}, {0.0, 1.0, 0.0, 1.0}};
   carry_forms(root);
   if (!region_) {
     subdivide(root, nullptr, 0);
@@ -150,13 +150,16 @@ void PieceBuilder::carry_forms(Node& root) {
   const JacobianDegrees degrees(net.n, net.m, rational);
   root.jacobian = {degrees.j_n, degrees.j_m, nullptr};
   root.turn = {degrees.turn_n, degrees.turn_m, nullptr};
-  forms_.resize(root.jacobian.size() + root.turn.size());
+  root.key_jacobian = root.jacobian;
+  forms_.resize(2 * root.jacobian.size() + root.turn.size());
   root.jacobian.coefficients = forms_.data();
-  jacobian_form(net, rational, root.jacobian);
+  jacobian_form(net, rational, kX, root.jacobian);
   const auto [lo, hi] = std::minmax_element(forms_.data(), forms_.data() + root.jacobian.size());
   if (*lo > 0 || *hi < 0) return;  // no folds
   root.turn.coefficients = forms_.data() + root.jacobian.size();
   scales_.turn_terms = turn_form(net, rational, root.jacobian, root.turn);
+  root.key_jacobian.coefficients = root.turn.coefficients + root.turn.size();
+  jacobian_form(net, rational, kZ, root.key_jacobian);
 }
 
 void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
@@ -213,7 +216,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
   if (certificate.kind != CutKind::uncertain) {
     const bool small = x.width() <= kLargestPiece && y.width() <= kLargestPiece;
     if (small || depth >= kMaxDepth || is_planar(net, range[kZ])) {
-      emit_certified(net, all_bounds(), certificate, box, arcs);
+      emit_certified(node, all_bounds(), certificate, arcs);
       return;
     }
   } else {
@@ -239,21 +242,22 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
 void PieceBuilder::split(const Node& node, const Arcs* arcs, int depth, bool along_a) {
   if (stack_.size() < kMaxDepth + 2) stack_.resize(kMaxDepth + 2);
   const Net& net = node.net;
-  const std::size_t size = net.size();
-  const std::size_t j_size = node.jacobian.coefficients ? node.jacobian.size() : 0;
-  const std::size_t turn_size = node.turn.coefficients ? node.turn.size() : 0;
-  const std::size_t all = size + j_size + turn_size;
+  constexpr Grid Node::* kForms[] = {&Node::jacobian, &Node::turn, &Node::key_jacobian};
+  std::size_t all = net.size();
+  for (Grid Node::* form : kForms) all += (node.*form).coefficients ? (node.*form).size() : 0;
   if (stack_[depth].size() < 2 * all) stack_[depth].resize(2 * all);
   double *left = stack_[depth].data(), *right = left + all;
+  Node first = node, second = node;
+  first.net.points = left, second.net.points = right;
   halve(net.points, net.n, net.m, 4, along_a, left, right);
-  Node first{{net.n, net.m, left}, node.jacobian, node.turn, node.box}, second = first;
-  second.net.points = right;
-  const auto halve_form = [&](const Grid& form, std::size_t offset, Grid& in_first, Grid& in_second) {
-    in_first.coefficients = left + offset, in_second.coefficients = right + offset;
-    halve(form.coefficients, form.n, form.m, 1, along_a, left + offset, right + offset);
-  };
-  if (j_size) halve_form(node.jacobian, size, first.jacobian, second.jacobian);
-  if (turn_size) halve_form(node.turn, size + j_size, first.turn, second.turn);
+  left += net.size(), right += net.size();
+  for (Grid Node::* form : kForms) {
+    const Grid& whole = node.*form;
+    if (!whole.coefficients) continue;
+    halve(whole.coefficients, whole.n, whole.m, 1, along_a, left, right);
+    (first.*form).coefficients = left, (second.*form).coefficients = right;
+    left += whole.size(), right += whole.size();
+  }
   if (along_a) {
     first.box.s1 = second.box.s0 = 0.5 * (node.box.s0 + node.box.s1);
   } else {
@@ -317,7 +321,7 @@ double bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
 
 // Fills in what a certified piece knows of its cuts.
 void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certificate& certificate,
-                            Piece* piece) const {
+                            Interval key_jacobian, Piece* piece) const {
   piece->kind = certificate.kind;
   piece->transposed = certificate.transposed;
   piece->x = bounds.x.f;
@@ -329,6 +333,11 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   piece->key = key.f;
   const QuotientBounds x = piece->transposed ? transposed_bounds(bounds.x) : bounds.x;
   piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
+  if (key_jacobian.lo <= key_jacobian.hi) {
+    const Interval w = weight_range(net), cubed{w.lo * w.lo * w.lo, w.hi * w.hi * w.hi};
+    const Interval along = piece->transposed ? -key_jacobian : key_jacobian;
+    piece->key_slope = intersect(piece->key_slope, along / (y.fb * cubed));
+  }
   piece->x_bend = bend_along_cut(x, y), piece->key_bend = bend_along_cut(key, y);
   const double key_pixels = pixels_per_key(camera_, key.f);
   piece->bend = std::max({bounds.x_remainder, bounds.y_remainder, bounds.key_remainder * key_pixels});
@@ -339,8 +348,9 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
 
 // Stores a certified piece with the turns of the borders along its cuts. A trimmed one is cut at them instead: then no
 // scan plane meets a border twice, and what lies between two trim crossings is one stretch.
-void PieceBuilder::emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate,
-                                  const Box& box, const Arcs* arcs) {
+void PieceBuilder::emit_certified(const Node& node, const NetBounds& bounds, const Certificate& certificate,
+                                  const Arcs* arcs) {
+  const Net& net = node.net;
   const bool across = certificate.transposed;
   const int degree = across ? net.m : net.n;
   const std::size_t stride = across ? 4 : 4 * std::size_t(net.m + 1);
@@ -348,17 +358,22 @@ void PieceBuilder::emit_certified(const Net& net, const NetBounds& bounds, const
   append_turns(net.at(0, 0), degree, stride, turns_);
   const std::size_t first_count = turns_.size();
   append_turns(across ? net.at(net.n, 0) : net.at(0, net.m), degree, stride, turns_);
-  if (arcs && !turns_.empty()) return emit_cut_at_turns(net, certificate, box, arcs);
+  if (arcs && !turns_.empty()) return emit_cut_at_turns(node, certificate, arcs);
+  // The form is that of the patch's own parameters.
+  const double area = (node.box.s1 - node.box.s0) * (node.box.t1 - node.box.t0);
   Piece piece{};
-  describe(net, bounds, certificate, &piece);
+  describe(net, bounds, certificate,
+           node.key_jacobian.coefficients ? node.key_jacobian.range() * area : Interval::empty(), &piece);
   double* turns = turn_arena_.take(turns_.size());
   std::copy(turns_.begin(), turns_.end(), turns);
   piece.turns = turns;
   piece.turn_count[0] = int32_t(first_count), piece.turn_count[1] = int32_t(turns_.size() - first_count);
-  emit(piece, net, box, arcs);
+  emit(piece, net, node.box, arcs);
 }
 
-void PieceBuilder::emit_cut_at_turns(const Net& net, const Certificate& certificate, const Box& box, const Arcs* arcs) {
+void PieceBuilder::emit_cut_at_turns(const Node& node, const Certificate& certificate, const Arcs* arcs) {
+  const Net& net = node.net;
+  const Box& box = node.box;
   turns_.insert(turns_.end(), {0.0, 1.0});
   std::sort(turns_.begin(), turns_.end());
   part_.resize(net.size());
@@ -375,7 +390,7 @@ void PieceBuilder::emit_cut_at_turns(const Net& net, const Certificate& certific
     }
     const Net part{net.n, net.m, part_.data()};
     Piece piece{};
-    describe(part, NetBounds(part), certificate, &piece);
+    describe(part, NetBounds(part), certificate, Interval::empty(), &piece);
     emit(piece, part, inner, arcs);
   }
 }

@@ -94,18 +94,19 @@ class PieceBuilder {
   // A part of the patch, with the forms that go with its net where they are carried along (bezier/jacobian.h).
   struct Node {
     Net net;
-    Grid jacobian, turn;  // coefficients may be null
+    Grid jacobian, turn, key_jacobian;  // coefficients may be null
     Box box;
   };
 
   void carry_forms(Node& root);
   void subdivide(const Node& node, const Arcs* arcs, int depth);
   void split(const Node& node, const Arcs* arcs, int depth, bool along_a);
-  void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Piece* piece) const;
+  // `key_jacobian`: range of that form on the net's own parameters, empty if it is not known.
+  void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Interval key_jacobian,
+                Piece* piece) const;
   bool is_planar(const Net& net, Interval key) const;
-  void emit_certified(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Box& box,
-                      const Arcs* arcs);
-  void emit_cut_at_turns(const Net& net, const Certificate& certificate, const Box& box, const Arcs* arcs);
+  void emit_certified(const Node& node, const NetBounds& bounds, const Certificate& certificate, const Arcs* arcs);
+  void emit_cut_at_turns(const Node& node, const Certificate& certificate, const Arcs* arcs);
   void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
   void add_portions(Piece& piece, const Arcs& arcs);
 
@@ -119,7 +120,7 @@ class PieceBuilder {
   std::vector<double> events_;
   std::vector<double> projected_, turns_, part_;
   std::vector<std::vector<double>> stack_;  // the two halves for each depth
-  std::vector<double> forms_;               // of the patch: J and its turn
+  std::vector<double> forms_;               // of the patch: J, its turn and that of key and y
   CarriedForms scales_;
   std::vector<Arcs> arc_stack_;
   int64_t unresolved_ = 0, nodes_ = 0;
