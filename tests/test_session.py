@@ -19,7 +19,7 @@ from nofacet_viewer.actions import perform
 from nofacet_viewer.appearance import Appearance
 from nofacet_viewer.assembly_rows import AssemblyRows
 from nofacet_viewer.controls import Button
-from nofacet_viewer.scale import SLACK, SMALLEST, STEP, AdaptiveScale, scaled
+from nofacet_viewer.scale import HALF, SLACK, SMALLEST, STEP, AdaptiveScale, scaled
 from nofacet_viewer.session import Session
 from nofacet_viewer.state import View, ViewState
 from nofacet_viewer.tasks import Tasks
@@ -256,7 +256,7 @@ def test_tasks_hand_results_and_errors_to_who_polls() -> None:
 
 @pytest.mark.parametrize(("fixed", "area"), [(0.0, 0.02), (0.0, 0.1), (0.01, 0.2), (0.018, 0.04), (0.001, 2.0)])
 def test_the_scale_settles_within_the_budget(fixed: float, area: float) -> None:
-    scale = AdaptiveScale(budget=0.028)
+    scale = AdaptiveScale(budget=0.028, quick=0.028)
     times = []
     for _ in range(60):
         seconds = fixed + area * scale.value**2
@@ -268,8 +268,18 @@ def test_the_scale_settles_within_the_budget(fixed: float, area: float) -> None:
     assert scale.value > best - STEP
 
 
+@pytest.mark.parametrize(("area", "value"), [(0.01, 1.0), (0.03, 0.8), (0.07, 0.5), (0.1, 0.5), (0.2, 0.37)])
+def test_more_than_half_the_resolution_only_if_it_follows_fast(area: float, value: float) -> None:
+    """Frames take area * scale^2: 1/50 s may be used beyond a half, 28 ms up to there."""
+    scale = AdaptiveScale(budget=0.028, quick=0.02)
+    for _ in range(100):
+        scale.update(area * scale.value**2, scale.value)
+    assert abs(scale.value - value) <= 2 * STEP
+    assert area * scale.value**2 <= (0.028 if scale.value <= HALF else 0.02)
+
+
 def test_one_slow_frame_does_not_ruin_the_picture() -> None:
-    scale = AdaptiveScale(budget=0.028)
+    scale = AdaptiveScale(budget=0.028, quick=0.028)
     scale.value = 1.0
     scale.update(3.0, 1.0)
     assert scale.value > 0.5

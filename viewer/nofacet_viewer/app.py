@@ -165,7 +165,11 @@ class App:
         self.session.press(button, at, shift="Shift" in modifiers, ctrl="Ctrl" in modifiers)
 
     def on_release(self, button: Button, at: Point) -> None:
-        self._clock.touch()
+        drag = self.session.controls.drag
+        if drag is None or drag.click:
+            self._clock.touch()
+        else:
+            self._clock.follow_picture()  # of the motion that ends: its refinement is what panels show next
         self.session.release(button, at)
         self.exact.rest(self._request())
 

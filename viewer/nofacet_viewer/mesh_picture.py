@@ -31,7 +31,7 @@ class MeshPicture:
         self._context = context
         self._encode = program(context, "fullscreen.vert", "encode.frag")
         self._encoded = context.vertex_array(self._encode, [])
-        self._scale = AdaptiveScale(MOTION_SECONDS, SMALLEST)
+        self._scale = AdaptiveScale(MOTION_SECONDS, MOTION_SECONDS, SMALLEST)
         self._linear: dict[int, ColorTarget] = {}  # by samples a pixel
         self._finished: dict[int, moderngl.Framebuffer] = {}  # the same, sRGB
         self._draw: Draw | None = None

@@ -1,9 +1,11 @@
-"""The resolution that the machine holds at 30 frames a second, from how long frames took."""
+"""The resolution that the machine holds at 30 frames a second, or more, from how long frames took."""
 
 from __future__ import annotations
 
 FRAME_SECONDS = 1 / 30
 SHARE = 0.9  # of a frame's time is for rendering, the rest for handing it over
+QUICK_SECONDS = 1 / 50  # a frame sharper than HALF takes no longer: who moves the camera feels every frame twice
+HALF = 1 / 2
 SMALLEST = 1 / 4  # below, little is left to see, and as little time to gain: much of it does not depend on the area
 STEP = 1 / 32  # scales are multiples of this, so that they settle
 MOST_SHRINK = 0.6  # factor at a time: one slow frame may be the machine's fault
@@ -16,13 +18,18 @@ PATIENCE = 60  # frames until a scale that was too slow is tried again
 class AdaptiveScale:
     """Scale of the window's resolution for frames in motion, SMALLEST to 1.
 
+    Up to HALF a frame may take the budget, beyond only the quick one: then following fast is worth more.
+
     A frame's time is some fixed part and one that grows with its area, so the square root of budget / time never
     overshoots. Where that stays below a step and there is room, the next step is tried: the fixed part may be large.
     """
 
-    def __init__(self, budget: float = SHARE * FRAME_SECONDS, value: float = 0.5) -> None:
-        """budget: seconds a frame may take. value: of the first frame."""
+    def __init__(
+        self, budget: float = SHARE * FRAME_SECONDS, quick: float = QUICK_SECONDS, value: float = HALF
+    ) -> None:
+        """budget, quick: seconds a frame may take. value: of the first frame."""
         self.budget = budget
+        self.quick = quick
         self.value = value
         self._too_large = 2.0  # the smallest scale that was too slow lately
         self._patience = 0
@@ -34,18 +41,22 @@ class AdaptiveScale:
         if scale == before:
             seconds = mean + NEWEST * (seconds - mean)
         self._mean = scale, seconds
-        room = self.budget / max(seconds, 1e-6)
         self._patience -= 1
-        if room < 1.0:
+        if seconds > (self.budget if scale <= HALF else self.quick):
             self._too_large, self._patience = scale, PATIENCE
-            self.value = max(_whole_steps(scale * max(room**0.5, MOST_SHRINK)), SMALLEST)
-            return
-        if self._patience <= 0:
+        elif self._patience <= 0:
             self._too_large = 2.0
+        within_budget, within_quick = (self._next(budget / max(seconds, 1e-6)) for budget in (self.budget, self.quick))
+        self.value = max(min(within_budget, HALF), min(within_quick, 1.0), SMALLEST)
+
+    def _next(self, room: float) -> float:
+        """The scale after frames that left so much room: the quotient of what one may take and what they took."""
+        scale = self._mean[0]
+        if room < 1.0:
+            return _whole_steps(scale * max(room**0.5, MOST_SHRINK))
         safe = _whole_steps(scale * min((room * (1.0 - SLACK)) ** 0.5, MOST_GROWTH))
         tried = scale + STEP if room * (1.0 - SLACK) > 1.0 else scale
-        value = max(safe, tried if tried < self._too_large else scale)
-        self.value = min(value, 1.0)
+        return max(safe, tried if tried < self._too_large else scale)
 
 
 def _whole_steps(scale: float) -> float:

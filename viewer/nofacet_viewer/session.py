@@ -78,6 +78,7 @@ class Session:
         self.over_picture = True  # the cursor: not over a panel
         self._double_click = DoubleClick()
         self._adds = False  # the click that has begun: to what is selected
+        self._came_with_camera = False  # the cursor where it is: it moved the camera
         self._anchor: Vector | None = None  # what Ctrl+wheel zooms to, until the mouse moves
         self.files: list[str] = []
         self.index = 0
@@ -188,7 +189,8 @@ class Session:
         now: time.monotonic().
         """
         self.state.sections = self.planes.sections
-        self.inspection.look(self._place(self.cursor) if self.over_picture and self._at_rest else None)
+        looks = self.over_picture and self._at_rest and not self._refines
+        self.inspection.look(self._place(self.cursor) if looks else None)
         changed = self.tasks.poll() | self.tessellated.poll() | self.inspection.poll()
         if self._to_measure and not self.tessellated.busy and self.loader.path is None:
             self.loader.start(self._to_measure, self.pane_size, measured=True)
@@ -284,10 +286,12 @@ class Session:
     def move(self, at: Point) -> None:
         if at != self.cursor:
             self._anchor = None
+            self._came_with_camera = False
         self.cursor = at
-        drag = self.controls.drag
-        if self.camera:
-            self.camera = self.controls.move(at, self.camera)
+        drag, camera = self.controls.drag, self.camera
+        if camera:
+            self.camera = self.controls.move(at, camera)
+            self._came_with_camera |= self.camera is not camera
         if drag and drag.moves_divider:
             self.state.move_wipe(at[0], self.size[0])
 
@@ -320,6 +324,7 @@ class Session:
         if to_cursor and self._anchor is None:
             self._anchor = self._zoom_centre()
         self.camera = zoom_wheel(self.camera, notches, self._anchor if to_cursor else None)
+        self._came_with_camera = True
 
     @property
     def hover(self) -> Hover | None:
@@ -338,6 +343,12 @@ class Session:
         if exact is None:
             return not self.state.view.shows_exact and self.controls.drag is None
         return (exact.request.camera, exact.request.sections) == (self.camera, self.state.sections)
+
+    @property
+    def _refines(self) -> bool:
+        """Whether a motion has ended, and nobody asks yet for more than the picture in full quality."""
+        exact = self.shown_exact
+        return self._came_with_camera and exact is not None and not exact.is_full
 
     def _place(self, at: Point) -> Place | None:
         """The centre of the pixel at a place in the window; None without a model."""
