@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "bezier/products.h"
+
 namespace nofacet {
 namespace {
 
-constexpr int kMaxOrder = 5 * kMaxJacobianDegree;  // above every degree met here
+constexpr int kMaxOrder = kScaledStride - 1;
+static_assert(5 * kMaxJacobianDegree <= kMaxOrder);  // above every degree met here
 
 using BinomialTable = std::array<std::array<double, kMaxOrder + 1>, kMaxOrder + 1>;
 
@@ -25,10 +28,11 @@ constexpr BinomialTable kBinomials = make_binomials();
 // A form in scaled Bernstein coefficients, c_ij C(n, i) C(m, j), in which products are plain convolutions.
 struct Scaled {
   int n = 0, m = 0;
-  double c[(kMaxOrder + 1) * (kMaxOrder + 1)];
+  double c[kScaledStride * kScaledStride];
 
-  double* row(int i) { return c + i * (m + 1); }
-  const double* row(int i) const { return c + i * (m + 1); }
+  double* row(int i) { return c + i * kScaledStride; }
+  const double* row(int i) const { return c + i * kScaledStride; }
+  void clear() { std::fill_n(c, std::size_t(n + 1) * kScaledStride, 0.0); }
 };
 
 Scaled component(const Net& net, int which) {
@@ -61,23 +65,14 @@ Scaled derivative_b(const Scaled& f) {
 
 // out += sign f g.
 void add_product(double sign, const Scaled& f, const Scaled& g, Scaled& out) {
-  for (int i = 0; i <= f.n; ++i) {
-    for (int j = 0; j <= f.m; ++j) {
-      const double factor = sign * f.row(i)[j];
-      for (int k = 0; k <= g.n; ++k) {
-        double* to = out.row(i + k) + j;
-        const double* from = g.row(k);
-        for (int l = 0; l <= g.m; ++l) to[l] += factor * from[l];
-      }
-    }
-  }
+  add_scaled_product(sign, f.c, f.n, f.m, g.c, g.n, g.m, out.c);
 }
 
 // p q - r s, whose degrees agree.
 Scaled cross(const Scaled& p, const Scaled& q, const Scaled& r, const Scaled& s) {
   Scaled out;
   out.n = p.n + q.n, out.m = p.m + q.m;
-  std::fill_n(out.c, std::size_t(out.n + 1) * (out.m + 1), 0.0);
+  out.clear();
   add_product(1.0, p, q, out);
   add_product(-1.0, r, s, out);
   return out;
@@ -106,7 +101,9 @@ Scaled shifted(const Net& net, Component which, const Scaled& weight) {
   Scaled s = component(net, which);
   const double* origin = net.at(net.n / 2, net.m / 2);
   const double shift = origin[which] / origin[kW];
-  for (std::size_t k = 0; k < std::size_t(s.n + 1) * (s.m + 1); ++k) s.c[k] -= shift * weight.c[k];
+  for (int i = 0; i <= s.n; ++i) {
+    for (int j = 0; j <= s.m; ++j) s.row(i)[j] -= shift * weight.row(i)[j];
+  }
   return s;
 }
 
@@ -123,7 +120,7 @@ void jacobian_form(const Net& net, bool rational, Component along, Grid out) {
   const Scaled x_minor = cross(ya, wb, yb, wa), y_minor = cross(xb, wa, xa, wb), w_minor = cross(xa, yb, xb, ya);
   Scaled sum;
   sum.n = out.n, sum.m = out.m;
-  std::fill_n(sum.c, out.size(), 0.0);
+  sum.clear();
   add_product(1.0, x, x_minor, sum);
   add_product(1.0, y, y_minor, sum);
   add_product(1.0, w, w_minor, sum);

@@ -17,35 +17,83 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::CappedTag<double, 4>;  // the components of a point, in one vector or two
 
-// v[k] = (v[k] + v[k + stride]) / 2 for k < count.
-HWY_INLINE void average(double* v, int count, int stride) {
-  const hn::CappedTag<double, 8> d;
+// de Casteljau at 1/2 on degree + 1 points, `stride` values apart, of which a vector holds up to Lanes(d) values each.
+template <class D>
+HWY_INLINE void halve_points(D d, const double* in, int degree, std::size_t stride, double* left, double* right) {
   const auto half = hn::Set(d, 0.5);
-  const int width = int(hn::Lanes(d));
-  int k = 0;
-  for (; k + width <= count; k += width) {
-    hn::StoreU(hn::Mul(half, hn::Add(hn::LoadU(d, v + k), hn::LoadU(d, v + k + stride))), d, v + k);
+  hn::Vec<D> p[kMaxPolynomial + 1];
+  for (int i = 0; i <= degree; ++i) p[i] = hn::LoadU(d, in + i * stride);
+  for (int level = 0;; ++level) {
+    hn::StoreU(p[0], d, left + level * stride);
+    if (level == degree) break;
+    for (int i = 0; i < degree - level; ++i) p[i] = hn::Mul(half, hn::Add(p[i], p[i + 1]));
   }
-  for (; k < count; ++k) v[k] = 0.5 * (v[k] + v[k + stride]);
+  for (int i = 0; i <= degree; ++i) hn::StoreU(p[i], d, right + i * stride);
 }
 
-// de Casteljau at 1/2. What is done in place turns into the right half; the first points of each level make the left.
-void Halve(const double* in, int n, int m, int components, bool along_a, double* left, double* right) {
-  const int row = components * (m + 1);
-  std::memcpy(right, in, sizeof(double) * std::size_t(n + 1) * row);
-  if (along_a) {
-    std::memcpy(left, right, sizeof(double) * row);
-    for (int level = 1; level <= n; ++level) {
-      average(right, (n - level + 1) * row, row);
-      std::memcpy(left + level * row, right, sizeof(double) * row);
-    }
+// The degrees that are met most, known when this is compiled, stay in registers.
+template <class D>
+HWY_INLINE void halve_vectors(D d, const double* in, int degree, std::size_t stride, double* left, double* right) {
+  switch (degree) {
+    case 1:
+      return halve_points(d, in, 1, stride, left, right);
+    case 2:
+      return halve_points(d, in, 2, stride, left, right);
+    case 3:
+      return halve_points(d, in, 3, stride, left, right);
+    case 5:
+      return halve_points(d, in, 5, stride, left, right);
+    default:
+      return halve_points(d, in, degree, stride, left, right);
+  }
+}
+
+// The same for points of `count` values, side by side.
+void halve_wide_points(const double* in, int degree, int count, double* left, double* right) {
+  const hn::CappedTag<double, 8> wide;
+  const int width = int(hn::Lanes(wide));
+  if (count < width) {
+    const hn::CappedTag<double, 1> one;
+    for (int k = 0; k < count; ++k) halve_vectors(one, in + k, degree, count, left + k, right + k);
     return;
   }
-  for (int i = 0; i <= n; ++i, left += row, right += row) {
-    for (int c = 0; c < components; ++c) left[c] = right[c];
-    for (int level = 1; level <= m; ++level) {
-      average(right, (m - level + 1) * components, components);
-      for (int c = 0; c < components; ++c) left[level * components + c] = right[c];
+  // The last vector may overlap the one before: the same values are made twice.
+  for (int k = 0;; k = std::min(k + width, count - width)) {
+    halve_vectors(wide, in + k, degree, count, left + k, right + k);
+    if (k + width == count) return;
+  }
+}
+
+// The same for points of one value: all of them in one vector, if they are not too many.
+void halve_values(const double* in, int degree, double* left, double* right) {
+  const hn::CappedTag<double, 8> d;
+  const hn::RebindToSigned<decltype(d)> i;
+  const int width = int(hn::Lanes(d));
+  if (degree >= width) return halve_points(hn::CappedTag<double, 1>(), in, degree, 1, left, right);
+  const auto next_lane = hn::Min(hn::Iota(i, 1), hn::Set(i, width - 1));
+  const auto next = hn::IndicesFromVec(d, next_lane);
+  const auto half = hn::Set(d, 0.5);
+  auto v = hn::MaskedLoad(hn::FirstN(d, degree + 1), d, in);
+  left[0] = hn::GetLane(v);
+  for (int level = 1; level <= degree; ++level) {
+    const auto mean = hn::Mul(half, hn::Add(v, hn::TableLookupLanes(v, next)));
+    v = hn::IfThenElse(hn::FirstN(d, degree + 1 - level), mean, v);
+    left[level] = hn::GetLane(v);
+  }
+  hn::BlendedStore(v, hn::FirstN(d, degree + 1), d, right);
+}
+
+void Halve(const double* in, int n, int m, int components, bool along_a, double* left, double* right) {
+  const int row = components * (m + 1);
+  if (along_a) return halve_wide_points(in, n, row, left, right);
+  for (int i = 0; i <= n; ++i, in += row, left += row, right += row) {
+    if (components == 1) {
+      halve_values(in, m, left, right);
+    } else {
+      const Four four;
+      for (std::size_t part = 0; part < 4; part += hn::Lanes(four)) {
+        halve_vectors(four, in + part, m, 4, left + part, right + part);
+      }
     }
   }
 }

@@ -37,8 +37,15 @@ auto first_after(const std::vector<VisibleSegment>& segments, double x) {
 }  // namespace
 
 bool ScanLine::hides(double x0, double x1, double nearest) const {
+  constexpr int kNear = 4;
+  std::size_t first = std::min(hint, segments.size());
+  int moves = 0;
+  while (first > 0 && segments[first - 1].x1 > x0 && moves++ < kNear) --first;
+  while (first < segments.size() && segments[first].x1 <= x0 && moves++ < kNear) ++first;
+  if (moves > kNear) first = first_after(segments, x0) - segments.begin();
+  hint = first;
   double cursor = x0;
-  for (auto it = first_after(segments, x0); it != segments.end() && it->x0 <= cursor; ++it) {
+  for (auto it = segments.begin() + std::ptrdiff_t(first); it != segments.end() && it->x0 <= cursor; ++it) {
     if (it->span->farthest >= nearest) return false;
     if (it->x1 >= x1) return true;
     cursor = it->x1;

@@ -17,9 +17,11 @@ struct ScanLine {
   double y = 0.0;
   std::vector<VisibleSegment> segments;  // nearest opaque spans: disjoint, ascending in x
   std::vector<const Span*> transparent;  // in the order of insertion
+  mutable std::size_t hint = 0;          // where a segment was looked for last: the next is often near
 
   void clear(double plane_y) {
     y = plane_y;
+    hint = 0;
     segments.clear();
     transparent.clear();
   }
