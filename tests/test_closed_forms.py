@@ -1,4 +1,4 @@
-"""Sphere, cylinder, cone and torus against closed forms: depth, outline, normals, parameters, coverage.
+"""Sphere, cylinder, cone, torus and flat patches against closed forms: depth, outline, normals, parameters, coverage.
 
 The bars are the project's: depth to 1e-9 of the model's size, no pixel too many or too few further than 1e-6 px from
 where the answer changes, and 1e-3 px^2 of area an outline pixel at 16 samples.
@@ -23,7 +23,8 @@ import cadquery as cq
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 
 import nofacet
-from nofacet.model import Model
+from conftest import model_of
+from nofacet.model import Model, PatchGroup
 from scenes import ALL_BUFFERS, GENERAL_DIRECTION, OTHER_DIRECTION, Array, clipped, extended_rays, polygon_area
 from solids import SOLIDS, Solid, dot, unit
 
@@ -207,3 +208,42 @@ def test_a_thousand_times_larger_than_the_picture(name: str, projection: str, me
     check_parameters(shape, solid, centre, frame, 0.0)
     if method != RAYS:
         check_area(solid, centre, frame)
+
+
+@pytest.mark.parametrize("up", [(0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.6, 0.8, 0.0)])
+@pytest.mark.parametrize(
+    ("lower", "upper"),
+    [
+        ((0.0, 0.9, 0.9, 0.0), (1.0, 1.0, 1.0, 1.0)),  # an arch: planes below its top leave two parts
+        ((0.0, 0.0, 0.0, 0.0), (1.0, 0.2, 0.2, 1.0)),  # a valley
+        ((0.0, 1.2, -0.9, 0.3), (1.0, 2.0, -0.2, 0.9)),  # both borders turn twice
+        ((0.3, -0.9, 1.2, 0.0), (0.35, -0.8, 1.3, 0.1)),  # a wavy ribbon, met three times
+    ],
+)
+def test_borders_that_turn_are_met_as_often_as_they_are(
+    lower: tuple[float, ...], upper: tuple[float, ...], up: tuple[float, float, float]
+) -> None:
+    """A flat ruled patch between two cubic graphs y(x), 0 <= x <= 1."""
+    points = np.array([[[i / 3, y, 0.0, 1.0] for y in ends] for i, ends in enumerate(zip(lower, upper, strict=True))])
+    patch = PatchGroup(points[None], np.zeros(1, np.int32), np.array([[0.0, 1, 0, 1]]), np.zeros((1, 2), np.uint8))
+    camera = nofacet.Camera("orthographic", (0.5, 0.5, 5), (0.5, 0.5, 0), up, view_height=3.0)
+    frame = nofacet.render(
+        model_of([patch]), camera, (97, 89), samples=SAMPLES, buffers=("face", "position", "coverage")
+    )
+    pixel = 3.0 / 89
+    up_y, up_x = np.mgrid[44:-45:-1, -48:49] * pixel  # of the pixels' centres, along the image's axes
+    across = np.cross((0, 0, -1.0), up)
+    x, y = (0.5 + up_x * across[k] + up_y * up[k] for k in (0, 1))
+
+    def graph(c: tuple[float, ...], x: Array) -> Array:
+        return c[0] * (1 - x) ** 3 + 3 * c[1] * x * (1 - x) ** 2 + 3 * c[2] * x**2 * (1 - x) + c[3] * x**3
+
+    inside = (x > 0) & (x < 1) & (y > graph(lower, x)) & (y < graph(upper, x))
+    np.testing.assert_array_equal(frame.face >= 0, inside)
+    assert np.abs(frame.position[inside] - np.stack([x, y, np.zeros_like(x)], axis=2)[inside]).max() < 1e-12
+    area = np.mean(upper) - np.mean(lower)  # a cubic's mean is that of its coefficients
+    t = np.linspace(0, 1, 1001)
+    outline = sum(np.hypot(np.diff(t), np.diff(graph(c, t))).sum() for c in (lower, upper))
+    outline += upper[0] - lower[0] + upper[3] - lower[3]
+    drawn = float(frame.coverage.sum(dtype=np.float64)) * pixel**2
+    assert abs(drawn - area) < AREA_BAR * outline * pixel
