@@ -29,6 +29,18 @@ struct KeyLine {
   double key(double x) const { return at + slope * x; }
 };
 
+bool of_one_curve(const Span& p, const Span& q) {
+  return p.piece == q.piece && p.plane == q.plane && p.curve == q.curve;
+}
+
+// Whether the key grows from the span's left end, or its right end, on.
+bool leaves_eye(const Span& span, bool from_left) {
+  const double a = from_left ? span.a0 : span.a1, other = from_left ? span.a1 : span.a0;
+  const ScreenJet screen(evaluate(span.piece->net, a, from_left ? span.b0 : span.b1));
+  const double slope = screen.ka - screen.kb * screen.ya / screen.yb;
+  return (slope > 0) == (other > a);
+}
+
 auto first_after(const std::vector<VisibleSegment>& segments, double x) {
   return std::upper_bound(segments.begin(), segments.end(), x,
                           [](double value, const VisibleSegment& s) { return value < s.x1; });
@@ -173,11 +185,10 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
   if (const Span* nearer = decide({fresh.nearest, fresh.farthest}, {old.nearest, old.farthest}, tie, fresh, old)) {
     return show(nearer, fresh, x0, x1);
   }
-  const Piece &f = *fresh.piece, &o = *old.piece;
-  // Two branches of one curve, on both sides of a fold: along it the key moves one way.
-  if (&f == &o && f.key_slope.one_signed() && fresh.plane == old.plane && fresh.curve == old.curve) {
+  // Two sides of a fold: along the curve the key moves one way.
+  if (of_one_curve(fresh, old) && fresh.piece->key_slope.one_signed()) {
     const bool after = fresh.a0 + fresh.a1 > old.a0 + old.a1;
-    return show(after == f.key_slope.positive() ? &old : &fresh, fresh, x0, x1);
+    return show(after == fresh.piece->key_slope.positive() ? &old : &fresh, fresh, x0, x1);
   }
   // By what is linear along x.
   const KeyLine f_line(fresh), o_line(old);
@@ -200,7 +211,13 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
 bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, double x1) {
   constexpr int kLast = SpanKeys::kCount - 1;
   double x[SpanKeys::kCount];
-  for (int k = 0; k <= kLast; ++k) x[k] = x0 + (x1 - x0) * k / kLast;
+  const bool from_fold = (fresh.fold0 && x0 <= fresh.x0) || (old.fold0 && x0 <= old.x0);
+  const bool to_fold = (fresh.fold1 && x1 >= fresh.x1) || (old.fold1 && x1 >= old.x1);
+  for (int k = 0; k <= kLast; ++k) {
+    double t = double(k) / kLast;
+    if (from_fold != to_fold) t *= from_fold ? t : 2.0 - t;  // a span's parameter goes with the root of x there
+    x[k] = x0 + (x1 - x0) * t;
+  }
   x[kLast] = x1;
   SpanKeys f, o;
   keys_at(fresh, x, &f);
@@ -211,14 +228,14 @@ bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, d
     }
     return span.key_between(keys.a[k], keys.key[k], keys.a[k + 1], keys.key[k + 1]);
   };
-  const bool finest = x1 - x0 <= kLast * kFinestInterval || (fresh.piece->planar && old.piece->planar);
+  const bool linear = fresh.piece->planar && old.piece->planar;
   bool shown = false;
   for (int k = 0; k < kLast; ++k) {
     if (!(x[k] < x[k + 1])) continue;
     const Interval key = between(old, o, k);
     if (const Span* nearer = decide(between(fresh, f, k), key, tie(key.lo), fresh, old)) {
       shown |= show(nearer, fresh, x[k], x[k + 1]);
-    } else if (!finest) {
+    } else if (x[k + 1] - x[k] > kFinestInterval && !linear) {
       shown |= compare_points(fresh, old, x[k], x[k + 1]);
     } else {
       const KeyDifference left{x[k], f.key[k] - o.key[k]}, right{x[k + 1], f.key[k + 1] - o.key[k + 1]};
@@ -233,6 +250,12 @@ bool Visibility::cross(const Span& fresh, const Span& old, KeyDifference left, K
   const bool tie_left = std::fabs(left.d) <= tie, tie_right = std::fabs(right.d) <= tie;
   const double x0 = left.x, x1 = right.x;
   if (tie_left && tie_right) return show(fresh.piece->face < old.piece->face ? &fresh : &old, fresh, x0, x1);
+  const bool at_fold = tie_left ? fresh.fold0 && x0 <= fresh.x0 : fresh.fold1 && x1 >= fresh.x1;
+  if ((tie_left || tie_right) && at_fold && of_one_curve(fresh, old)) {
+    // Two sides of a fold: the way the key goes there tells who is nearer beside it.
+    const double d = tie_left ? right.d : left.d;
+    if (leaves_eye(fresh, tie_left) == (d > 0)) return show(d < 0 ? &fresh : &old, fresh, x0, x1);
+  }
   // Surfaces that touch at one end are told apart at the other, but they may cross beside the touch.
   if (tie_left) left = leave_touch(fresh, old, x0, &right, tie);
   if (tie_right) right = leave_touch(fresh, old, x1, &left, tie);
