@@ -19,7 +19,7 @@ from nofacet.bench.crowd import crowd
 from nofacet.bench.outline import check_outline
 from nofacet.bench.run import run, write
 from nofacet.bench.subject import Subject, open_subject
-from nofacet.bench.timing import MOST_RUNS, repeat
+from nofacet.bench.timing import MOST_RUNS, Timing, ratio, repeat
 from nofacet.cad.ray_cast import RayCaster
 from nofacet.cad.tessellate import box_sides, tessellate
 from nofacet.cli import main
@@ -231,6 +231,12 @@ def test_what_is_fast_is_repeated_often() -> None:
     timing, result = repeat(lambda: next(calls))
     assert timing.runs == next(calls) == MOST_RUNS and 0 <= result < MOST_RUNS
     assert 0 <= timing.fastest <= timing.median
+
+
+def test_ratios_compare_what_was_run_together() -> None:
+    """A machine that is twice as fast for a while changes no ratio, though it makes one of the fastest runs."""
+    one, other = Timing.of([2.0, 1.0, 2.0, 2.0]), Timing.of([1.0, 0.5, 1.0, 0.9])
+    assert ratio(one, other) == 2.0
     assert repeat(lambda: __import__("time").sleep(0.02), enough=0.05)[0].runs == 3
 
 
@@ -266,7 +272,7 @@ def test_quick_run_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureF
     assert "nowhere.step is not there" in markdown
     record = json.loads((tmp_path / "bench.json").read_text())
     (result,) = record["subjects"]
-    assert result["floor"]["seconds"] > 0 and result["first_pictures"][0]["extraction"] > 0
+    assert result["floor"]["seconds"]["fastest"] > 0 and result["first_pictures"][0]["extraction"] > 0
     assert {(frame["samples"], frame["threads"]) for frame in result["frames"]} == {(1, 1), (1, 2), (4, 1), (4, 2)}
     assert {bar["text"] for bar in record["bars"]} >= {"frame / floor, one thread", "one thread / two threads"}
     assert not (tmp_path / "bench.png").exists()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..render import DEFAULT_METHOD
 from .subject import OWN, PRIMITIVES, SMALL_PATCHES
+from .timing import ratio
 
 if TYPE_CHECKING:
     from .report import Report, SubjectResult
@@ -61,11 +62,11 @@ def _floor(result: SubjectResult, threads: int) -> Iterator[Bar]:
     frame = result.frame(DEFAULT_METHOD, 1, 1)
     if not frame or not result.floor:
         return
-    ratio = frame.seconds.fastest / result.floor.seconds
+    times = ratio(frame.seconds, result.floor.seconds)
     if result.name in (*PRIMITIVES, *OWN):
-        yield Bar("frame / floor, one thread", result.name, ratio, (3.5, 2), False)
+        yield Bar("frame / floor, one thread", result.name, times, (3.5, 2), False)
     elif result.name in SMALL_PATCHES:
-        yield Bar("frame / floor, one thread, small patches", result.name, ratio, (8, 4), False)
+        yield Bar("frame / floor, one thread, small patches", result.name, times, (8, 4), False)
 
 
 def _first_picture(result: SubjectResult, threads: int) -> Iterator[Bar]:
@@ -85,8 +86,8 @@ def _first_picture(result: SubjectResult, threads: int) -> Iterator[Bar]:
 def _later_frames(result: SubjectResult, threads: int) -> Iterator[Bar]:
     mesh, frame = result.mesh("0.1 px"), result.frame(DEFAULT_METHOD, 1, 1)
     if mesh and frame and mesh.embree:
-        ratio = mesh.embree[1] / frame.seconds.fastest
-        yield Bar("Embree on the 0.1 px mesh / frame, one thread each", result.name, ratio, (1, None), True)
+        times = mesh.embree[1] / frame.seconds.fastest
+        yield Bar("Embree on the 0.1 px mesh / frame, one thread each", result.name, times, (1, None), True)
     frame = result.frame(DEFAULT_METHOD, threads, 1)
     if frame and threads == 2:
         text = "frame on two threads against Embree in packets (recorded: 20 to 37 ms)"
@@ -97,8 +98,8 @@ def _methods(result: SubjectResult, threads: int) -> Iterator[Bar]:
     scanline, ray = result.frame(DEFAULT_METHOD, 1, 1), result.frame(RAY_METHOD, 1, 1)
     if not scanline or not ray:
         return
-    ratio = ray.seconds.fastest / scanline.seconds.fastest
-    yield Bar(f"{RAY_METHOD} / {DEFAULT_METHOD}, one thread", result.name, ratio, (5, 10), True)
+    times = ratio(ray.seconds, scanline.seconds)
+    yield Bar(f"{RAY_METHOD} / {DEFAULT_METHOD}, one thread", result.name, times, (5, 10), True)
     if result.name == "teapot":
         width, height = result.resolution
         rate = width * height / ray.seconds.fastest
@@ -109,15 +110,14 @@ def _methods(result: SubjectResult, threads: int) -> Iterator[Bar]:
 def _threads(result: SubjectResult, threads: int) -> Iterator[Bar]:
     one, two = result.frame(DEFAULT_METHOD, 1, 1), result.frame(DEFAULT_METHOD, 2, 1)
     if one and two:
-        ratio = one.seconds.fastest / two.seconds.fastest
-        yield Bar("one thread / two threads", result.name, ratio, (1.8, 1.95), True)
+        yield Bar("one thread / two threads", result.name, ratio(one.seconds, two.seconds), (1.8, 1.95), True)
 
 
 def _samples(result: SubjectResult, threads: int) -> Iterator[Bar]:
     one, four = result.frame(DEFAULT_METHOD, 1, 1), result.frame(DEFAULT_METHOD, 1, 4)
     if one and four:
-        ratio = four.seconds.fastest / one.seconds.fastest
-        yield Bar("4 samples / 1 sample, one thread", result.name, ratio, (2.5, 2), False)
+        times = ratio(four.seconds, one.seconds)
+        yield Bar("4 samples / 1 sample, one thread", result.name, times, (2.5, 2), False)
 
 
 def _scaling(report: Report) -> Iterator[Bar]:
@@ -129,6 +129,6 @@ def _scaling(report: Report) -> Iterator[Bar]:
             )
     series = [crowd for crowd in report.crowds if crowd.model == "teapot"]
     for fewer, more in zip(series, series[1:], strict=False):
-        ratio = more.seconds.fastest / fewer.seconds.fastest
+        times = more.seconds.fastest / fewer.seconds.fastest
         text = f"time at {more.patches:,} patches / at {fewer.patches:,}, same coverage"
-        yield Bar(text, "teapot", ratio, (more.patches / fewer.patches, None), False)
+        yield Bar(text, "teapot", times, (more.patches / fewer.patches, None), False)

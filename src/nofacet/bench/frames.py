@@ -39,7 +39,7 @@ class Floor:
     """Seconds that evaluating position, both derivatives and unit normal at every visible sample takes, on one thread,
     where (u, v) are known."""
 
-    seconds: float
+    seconds: Timing
     samples: int
 
 
@@ -55,14 +55,15 @@ def measure_frames(subject: Subject, threads: int, methods: tuple[str, ...]) -> 
     ]
     shown = render(model, camera, resolution, samples=1, buffers=("face", "uv"))  # prepares the model, too
     scene = _native.Scene(model)
-    floor, *frames = repeat_in_turn(
+    floors: list[dict[str, Any]] = []
+    _, *frames = repeat_in_turn(
         [
-            lambda: scene.floor(face=shown.face, uv=shown.uv, repeats=FLOOR_REPEATS),
+            lambda: floors.append(scene.floor(face=shown.face, uv=shown.uv, repeats=FLOOR_REPEATS)),
             *(functools.partial(_draw, model, camera, resolution, *request) for request in wanted),
         ]
     )
     times = [_frame_time(request, *measured) for request, measured in zip(wanted, frames, strict=True)]
-    return times, Floor(floor[1]["seconds"], floor[1]["samples"])
+    return times, Floor(Timing.of([floor["seconds"] for floor in floors]), floors[0]["samples"])
 
 
 def frame_time(

@@ -11,6 +11,7 @@ from .crowd import CrowdTime
 from .frames import FrameTime
 from .mesh_result import MeshResult
 from .report import Report, SubjectResult
+from .timing import ratio
 
 
 def text(report: Report, bars: list[Bar]) -> str:
@@ -56,9 +57,9 @@ def _frame_rows(result: SubjectResult) -> Iterator[dict[str, Any]]:
             "fastest ms": 1e3 * frame.seconds.fastest,
             "median ms": 1e3 * frame.seconds.median,
             "runs": frame.seconds.runs,
-            "floor ms": floor and 1e3 * floor.seconds,
-            "ns a sample": floor and floor.samples and 1e9 * floor.seconds / floor.samples,
-            "frame / floor": floor and frame.seconds.fastest / floor.seconds,
+            "floor ms": floor and 1e3 * floor.seconds.fastest,
+            "ns a sample": floor and floor.samples and 1e9 * floor.seconds.fastest / floor.samples,
+            "frame / floor": floor and ratio(frame.seconds, floor.seconds),
             "pieces": frame.pieces,
             "stages ms": _stages(frame.stages),
         }

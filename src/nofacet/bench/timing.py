@@ -16,11 +16,22 @@ TOO_SLOW = 10.0  # seconds after which nothing is repeated
 
 @dataclass(frozen=True)
 class Timing:
-    """Wall-clock seconds of repeated runs."""
+    """Wall-clock seconds of repeated runs, of all and of each."""
 
     fastest: float
     median: float
     runs: int
+    each: tuple[float, ...]
+
+    @classmethod
+    def of(cls, each: list[float]) -> Timing:
+        return cls(min(each), median(each), len(each), tuple(each))
+
+
+def ratio(one: Timing, other: Timing) -> float:
+    """How many times as long one takes as the other, both timed by the same repeat_in_turn: the median over its rounds,
+    because within one the machine's speed hardly changes; the fastest runs of both may be minutes apart."""
+    return median(a / b for a, b in zip(one.each, other.each, strict=True))
 
 
 def repeat(function: Callable[[], Any], enough: float = ENOUGH_SECONDS) -> tuple[Timing, Any]:
@@ -43,6 +54,4 @@ def repeat_in_turn(functions: list[Callable[[], Any]], enough: float = ENOUGH_SE
         spent, rounds = sum(map(sum, seconds)), len(seconds[0])
         done = rounds >= FEWEST_RUNS and (spent > enough * len(functions) or rounds >= MOST_RUNS)
         if done or spent > TOO_SLOW * len(functions):
-            return [
-                (Timing(min(times), median(times), rounds), kept) for times, kept in zip(seconds, best, strict=True)
-            ]
+            return [(Timing.of(times), kept) for times, kept in zip(seconds, best, strict=True)]
