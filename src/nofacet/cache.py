@@ -24,7 +24,7 @@ from .model import Model
 
 _log = logging.getLogger(__name__)
 
-SETTING = "NOFACET_CACHE"  # environment variable: a folder, or "off"
+SETTING = "NOFACET_CACHE"  # environment variable: a folder, "off", or "on" for the usual folder
 LIMIT = 1 << 30  # bytes of all entries together; those used longest ago go first
 _ENTRY, _UNFINISHED = ".model", ".part"
 _ABANDONED = 3600.0  # seconds after which an unfinished entry is what a dead process left
@@ -37,7 +37,7 @@ def folder() -> Path | None:
     setting = os.environ.get(SETTING, "")
     if setting == "off":
         return None
-    if setting:
+    if setting not in ("", "on"):
         return Path(setting)
     base = os.environ.get("XDG_CACHE_HOME", "")
     try:

@@ -109,12 +109,12 @@ Scaled shifted(const Net& net, Component which, const Scaled& weight) {
 
 }  // namespace
 
-void jacobian_form(const Net& net, bool rational, Component along, Grid out) {
+double jacobian_form(const Net& net, bool rational, Component along, Grid out) {
   const Scaled w = component(net, kW), x = shifted(net, along, w), y = shifted(net, kY, w);
   const Scaled xa = derivative_a(x), xb = derivative_b(x), ya = derivative_a(y), yb = derivative_b(y);
   if (!rational) {
     store(cross(xa, yb, xb, ya), out);
-    return;
+    return largest(xa) * largest(yb) + largest(xb) * largest(ya);
   }
   const Scaled wa = derivative_a(w), wb = derivative_b(w);
   const Scaled x_minor = cross(ya, wb, yb, wa), y_minor = cross(xb, wa, xa, wb), w_minor = cross(xa, yb, xb, ya);
@@ -125,6 +125,9 @@ void jacobian_form(const Net& net, bool rational, Component along, Grid out) {
   add_product(1.0, y, y_minor, sum);
   add_product(1.0, w, w_minor, sum);
   store(sum, out);
+  const double weight = largest(w), by_a = largest(wa), by_b = largest(wb);
+  return largest(x) * (largest(ya) * by_b + largest(yb) * by_a) + largest(y) * (largest(xb) * by_a + largest(xa) * by_b) +
+         weight * (largest(xa) * largest(yb) + largest(xb) * largest(ya));
 }
 
 double turn_form(const Net& net, bool rational, const Grid& jacobian, Grid out) {
@@ -144,6 +147,31 @@ double turn_form(const Net& net, bool rational, const Grid& jacobian, Grid out) 
   const Scaled ja = derivative_a(j), jb = derivative_b(j);
   store(cross(ja, yb, jb, ya), out);
   return largest(ja) * largest(yb) + largest(jb) * largest(ya);
+}
+
+void elevate(const Grid& form, Grid out) {
+  // Row r of degree N: sum over i of C(n, i) C(N - n, r - i) / C(N, r) times row i of degree n.
+  const auto weight = [](int n, int to, int r, int i) {
+    return kBinomials[n][i] * kBinomials[to - n][r - i] / kBinomials[to][r];
+  };
+  double wide[(kMaxOrder + 1) * (kMaxOrder + 1)];  // with the columns of `out`
+  const int columns = out.m + 1;
+  for (int column = 0; column <= out.m; ++column) {
+    double* at = wide + column;
+    for (int i = 0; i <= form.n; ++i) at[i * columns] = 0.0;
+    for (int j = std::max(0, column - out.m + form.m); j <= std::min(form.m, column); ++j) {
+      const double w = weight(form.m, out.m, column, j);
+      for (int i = 0; i <= form.n; ++i) at[i * columns] += w * form.coefficients[i * (form.m + 1) + j];
+    }
+  }
+  for (int r = 0; r <= out.n; ++r) {
+    double* row = out.coefficients + r * columns;
+    std::fill_n(row, columns, 0.0);
+    for (int i = std::max(0, r - out.n + form.n); i <= std::min(form.n, r); ++i) {
+      const double w = weight(form.n, out.n, r, i);
+      for (int column = 0; column < columns; ++column) row[column] += w * wide[i * columns + column];
+    }
+  }
 }
 
 }  // namespace nofacet

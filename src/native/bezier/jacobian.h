@@ -29,10 +29,17 @@ struct JacobianDegrees {
         turn_m(j_m + (rational ? 2 * m - 1 : m - 1)) {}
 };
 
-// Writes J, of y and `along` (kX; with kZ the depth key takes the place of x); `out` has the degrees for it.
-void jacobian_form(const Net& net, bool rational, Component along, Grid out);
+// Coefficients of the turn's form, at most.
+inline constexpr int kMaxTurnSize = (5 * kMaxJacobianDegree - 1) * (5 * kMaxJacobianDegree - 1);
+
+// Writes J, of y and `along` (kX; with kZ the depth key takes the place of x); `out` has the degrees for it. Returns the
+// size of its terms: its rounding errors are within about 1e-15 of that.
+double jacobian_form(const Net& net, bool rational, Component along, Grid out);
 // Writes J_a y_b - J_b y_a, which has the sign of dJ along the curves y = const, once y_b is positive. Returns the size
-// of its terms: its rounding errors are within about 1e-15 of that.
+// of its terms, as above.
 double turn_form(const Net& net, bool rational, const Grid& jacobian, Grid out);
+
+// The same form with the degrees of `out`, which are no lower (degree elevation).
+void elevate(const Grid& form, Grid out);
 
 }  // namespace nofacet

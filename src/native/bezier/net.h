@@ -27,9 +27,9 @@ Jet evaluate(const Net& net, double a, double b);
 // The mixed second derivative of the homogeneous point by a and b.
 void evaluate_mixed(const Net& net, double a, double b, double mixed[4]);
 
-// Halves of a net of (n + 1) x (m + 1) points, each of `components` values, along a or b (de Casteljau at 1/2); the
+// Cuts a net of (n + 1) x (m + 1) points, each of `components` values, at a = t or b = t in two (de Casteljau); the
 // shared border is bitwise the same in both. components: 1 or 4.
-void halve(const double* in, int n, int m, int components, bool along_a, double* left, double* right);
+void split_net(const double* in, int n, int m, int components, bool along_a, double t, double* left, double* right);
 // The part of the net over [a0, a1] x [b0, b1].
 void restrict_net(const Net& net, double a0, double a1, double b0, double b1, double* out);
 void transpose(const Net& net, double* out);

@@ -1,4 +1,4 @@
-// Evaluating nets, halving them and bounding their derivatives, compiled once for every instruction set that Highway
+// Evaluating nets, splitting them and bounding their derivatives, compiled once for every instruction set that Highway
 // knows of.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bezier/net_kernels.cpp"
@@ -17,82 +17,84 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::CappedTag<double, 4>;  // the components of a point, in one vector or two
 
-// de Casteljau at 1/2 on degree + 1 points, `stride` values apart, of which a vector holds up to Lanes(d) values each.
+// de Casteljau at t on degree + 1 points, `stride` values apart, of which a vector holds up to Lanes(d) values each.
 template <class D>
-HWY_INLINE void halve_points(D d, const double* in, int degree, std::size_t stride, double* left, double* right) {
-  const auto half = hn::Set(d, 0.5);
+HWY_INLINE void split_points(D d, const double* in, int degree, std::size_t stride, double t, double* left,
+                             double* right) {
+  const auto before = hn::Set(d, 1.0 - t), after = hn::Set(d, t);
   hn::Vec<D> p[kMaxPolynomial + 1];
   for (int i = 0; i <= degree; ++i) p[i] = hn::LoadU(d, in + i * stride);
   for (int level = 0;; ++level) {
     hn::StoreU(p[0], d, left + level * stride);
     if (level == degree) break;
-    for (int i = 0; i < degree - level; ++i) p[i] = hn::Mul(half, hn::Add(p[i], p[i + 1]));
+    for (int i = 0; i < degree - level; ++i) p[i] = hn::MulAdd(after, p[i + 1], hn::Mul(before, p[i]));
   }
   for (int i = 0; i <= degree; ++i) hn::StoreU(p[i], d, right + i * stride);
 }
 
 // The degrees that are met most, known when this is compiled, stay in registers.
 template <class D>
-HWY_INLINE void halve_vectors(D d, const double* in, int degree, std::size_t stride, double* left, double* right) {
+HWY_INLINE void split_vectors(D d, const double* in, int degree, std::size_t stride, double t, double* left,
+                              double* right) {
   switch (degree) {
     case 1:
-      return halve_points(d, in, 1, stride, left, right);
+      return split_points(d, in, 1, stride, t, left, right);
     case 2:
-      return halve_points(d, in, 2, stride, left, right);
+      return split_points(d, in, 2, stride, t, left, right);
     case 3:
-      return halve_points(d, in, 3, stride, left, right);
+      return split_points(d, in, 3, stride, t, left, right);
     case 5:
-      return halve_points(d, in, 5, stride, left, right);
+      return split_points(d, in, 5, stride, t, left, right);
     default:
-      return halve_points(d, in, degree, stride, left, right);
+      return split_points(d, in, degree, stride, t, left, right);
   }
 }
 
 // The same for points of `count` values, side by side.
-void halve_wide_points(const double* in, int degree, int count, double* left, double* right) {
+void split_wide_points(const double* in, int degree, int count, double t, double* left, double* right) {
   const hn::CappedTag<double, 8> wide;
   const int width = int(hn::Lanes(wide));
   if (count < width) {
     const hn::CappedTag<double, 1> one;
-    for (int k = 0; k < count; ++k) halve_vectors(one, in + k, degree, count, left + k, right + k);
+    for (int k = 0; k < count; ++k) split_vectors(one, in + k, degree, count, t, left + k, right + k);
     return;
   }
   // The last vector may overlap the one before: the same values are made twice.
   for (int k = 0;; k = std::min(k + width, count - width)) {
-    halve_vectors(wide, in + k, degree, count, left + k, right + k);
+    split_vectors(wide, in + k, degree, count, t, left + k, right + k);
     if (k + width == count) return;
   }
 }
 
 // The same for points of one value: all of them in one vector, if they are not too many.
-void halve_values(const double* in, int degree, double* left, double* right) {
+void split_values(const double* in, int degree, double t, double* left, double* right) {
   const hn::CappedTag<double, 8> d;
   const hn::RebindToSigned<decltype(d)> i;
   const int width = int(hn::Lanes(d));
-  if (degree >= width) return halve_points(hn::CappedTag<double, 1>(), in, degree, 1, left, right);
+  if (degree >= width) return split_points(hn::CappedTag<double, 1>(), in, degree, 1, t, left, right);
   const auto next_lane = hn::Min(hn::Iota(i, 1), hn::Set(i, width - 1));
   const auto next = hn::IndicesFromVec(d, next_lane);
-  const auto half = hn::Set(d, 0.5);
+  const auto before = hn::Set(d, 1.0 - t), after = hn::Set(d, t);
   auto v = hn::MaskedLoad(hn::FirstN(d, degree + 1), d, in);
   left[0] = hn::GetLane(v);
   for (int level = 1; level <= degree; ++level) {
-    const auto mean = hn::Mul(half, hn::Add(v, hn::TableLookupLanes(v, next)));
+    const auto mean = hn::MulAdd(after, hn::TableLookupLanes(v, next), hn::Mul(before, v));
     v = hn::IfThenElse(hn::FirstN(d, degree + 1 - level), mean, v);
     left[level] = hn::GetLane(v);
   }
   hn::BlendedStore(v, hn::FirstN(d, degree + 1), d, right);
 }
 
-void Halve(const double* in, int n, int m, int components, bool along_a, double* left, double* right) {
+void Split(const double* in, int n, int m, int components, bool along_a, double t, double* left, double* right) {
   const int row = components * (m + 1);
-  if (along_a) return halve_wide_points(in, n, row, left, right);
+  if (along_a) return split_wide_points(in, n, row, t, left, right);
   for (int i = 0; i <= n; ++i, in += row, left += row, right += row) {
     if (components == 1) {
-      halve_values(in, m, left, right);
+      split_values(in, m, t, left, right);
     } else {
       const Four four;
       for (std::size_t part = 0; part < 4; part += hn::Lanes(four)) {
-        halve_vectors(four, in + part, m, 4, left + part, right + part);
+        split_vectors(four, in + part, m, 4, t, left + part, right + part);
       }
     }
   }
@@ -235,7 +237,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace nofacet {
 
-HWY_EXPORT(Halve);
+HWY_EXPORT(Split);
 HWY_EXPORT(Ratios);
 HWY_EXPORT(Values);
 HWY_EXPORT(Differences);
@@ -248,8 +250,8 @@ Jet evaluate(const Net& net, double a, double b) {
   return jet;
 }
 
-void halve(const double* in, int n, int m, int components, bool along_a, double* left, double* right) {
-  HWY_DYNAMIC_DISPATCH(Halve)(in, n, m, components, along_a, left, right);
+void split_net(const double* in, int n, int m, int components, bool along_a, double t, double* left, double* right) {
+  HWY_DYNAMIC_DISPATCH(Split)(in, n, m, components, along_a, t, left, right);
 }
 
 ComponentRanges ratio_ranges(const Net& net) {

@@ -95,7 +95,8 @@ Certificate certify_cut(const Net& net, const NetBounds& bounds) {
   const NetBounds rotated = rotated_bounds(net, scratch);
   const JacobianBounds jacobian(rotated.x, rotated.y);
   Certificate certificate = best_cut(bounds, jacobian);
-  if (certificate.kind == CutKind::uncertain && (grows_with_b(bounds.y) || grows_with_b(transposed_bounds(bounds.y)))) {
+  certificate.graph = grows_with_b(bounds.y) || grows_with_b(transposed_bounds(bounds.y));
+  if (certificate.kind == CutKind::uncertain && certificate.graph) {
     // The cut is a graph and only the sign of J is open: halve what J varies with.
     certificate.halve = jacobian.ja.magnitude() >= jacobian.jb.magnitude() ? Halve::a : Halve::b;
   }
@@ -117,6 +118,34 @@ double variation(const Grid& grid, bool along_a) {
   return largest * (along_a ? grid.n : grid.m);
 }
 
+// Whether J vanishes at most once along every cut: its turn K has one sign wherever J = 0. That is so if K + c J has one
+// sign all over, for whatever c: c J adds nothing where J = 0.
+bool vanishes_once(const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
+  if (clearly_one_signed(turn.range(), scales.turn_terms)) return true;
+  double elevated[kMaxTurnSize], sum[kMaxTurnSize];
+  const Grid j{turn.n, turn.m, elevated};
+  elevate(jacobian, j);
+  const double* k = turn.coefficients;
+  for (const double sign : {1.0, -1.0}) {
+    // Every coefficient of sign (K + c J) that is to be positive bounds c from one side.
+    Interval c{-INFINITY, INFINITY};
+    for (std::size_t i = 0; i < turn.size() && c.lo < c.hi; ++i) {
+      const double bound = -k[i] / elevated[i];
+      if (sign * elevated[i] > 0) c.lo = std::max(c.lo, bound);
+      if (sign * elevated[i] < 0) c.hi = std::min(c.hi, bound);
+    }
+    if (!(c.lo < c.hi)) continue;
+    // J has both signs, so both bounds are finite but for underflow.
+    const double best = c.mid();
+    if (!std::isfinite(best)) continue;
+    for (std::size_t i = 0; i < turn.size(); ++i) sum[i] = k[i] + best * elevated[i];
+    if (clearly_one_signed(value_range(sum, turn.size()), scales.turn_terms + std::fabs(best) * scales.jacobian_terms)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
@@ -124,6 +153,7 @@ Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Gri
   const bool straight = grows_with_b(y), across = grows_with_b(turned);
   if (!straight && !across) return {};
   Certificate certificate;
+  certificate.graph = true;
   // The flatter graph, if both are.
   const auto slope = [](const QuotientBounds& q) { return q.fa.magnitude() / q.fb.mignitude(); };
   certificate.transposed = straight && across ? slope(turned) < slope(y) : across;
@@ -136,7 +166,7 @@ Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Gri
     certificate.kind = CutKind::sliver;
   } else if (j.lo > -kNegligiblePixels * pixel || j.hi < kNegligiblePixels * pixel) {
     certificate.kind = CutKind::regular;
-  } else if (turn.coefficients && clearly_one_signed(turn.range(), scales.turn_terms)) {
+  } else if (turn.coefficients && vanishes_once(jacobian, turn, scales)) {
     certificate.kind = CutKind::fold;
   } else {
     certificate.halve = variation(jacobian, true) >= variation(jacobian, false) ? Halve::a : Halve::b;

@@ -31,15 +31,16 @@ struct Certificate {
   CutKind kind = CutKind::uncertain;
   bool transposed = false;  // the cut is a graph a(b) instead of b(a)
   Halve halve = Halve::either;
+  bool graph = false;  // at least this is proved: that the cut is a graph
 };
 
 // By interval bounds alone.
 Certificate certify_cut(const Net& net, const NetBounds& bounds);
 
-// What is known of a patch whose forms are carried along: the size of the terms that the turn is made of, by which
+// What is known of a patch whose forms are carried along: the size of the terms that they are made of, by which
 // rounding errors are measured, and the least weight.
 struct CarriedForms {
-  double turn_terms = 0.0, weight = 1.0;
+  double jacobian_terms = 0.0, turn_terms = 0.0, weight = 1.0;
 };
 // With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter,
 // and of the bounds it needs only those of y and its first derivatives.

@@ -153,7 +153,7 @@ void PieceBuilder::carry_forms(Node& root) {
   root.key_jacobian = root.jacobian;
   forms_.resize(2 * root.jacobian.size() + root.turn.size());
   root.jacobian.coefficients = forms_.data();
-  jacobian_form(net, rational, kX, root.jacobian);
+  scales_.jacobian_terms = jacobian_form(net, rational, kX, root.jacobian);
   const auto [lo, hi] = std::minmax_element(forms_.data(), forms_.data() + root.jacobian.size());
   if (*lo > 0 || *hi < 0) return;  // no folds
   root.turn.coefficients = forms_.data() + root.jacobian.size();
@@ -201,7 +201,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
   // space. What is in front shrinks towards the eye itself, where nothing is visible.
   if (distorted) {
     if (depth < kMaxDepth) {
-      split(node, arcs, depth, space_length(net, true) >= space_length(net, false));
+      halve(node, arcs, depth, space_length(net, true) >= space_length(net, false));
     } else if (weight.lo > 0) {
       ++unresolved_;
     }
@@ -235,11 +235,35 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
       return;
     }
   }
-  split(node, arcs, depth,
+  if (certificate.kind == CutKind::uncertain && !certificate.graph && depth < kMaxDepth / 2) {
+    if (const auto core = find_level_box(net, planes_)) return peel(node, *core, arcs, depth);
+  }
+  halve(node, arcs, depth,
         certificate.halve == Halve::either ? shape_halves_a(net, all_bounds()) : certificate.halve == Halve::a);
 }
 
-void PieceBuilder::split(const Node& node, const Arcs* arcs, int depth, bool along_a) {
+void PieceBuilder::halve(const Node& node, const Arcs* arcs, int depth, bool along_a) {
+  const auto [first, second] = cut(node, depth, along_a, 0.5);
+  subdivide(first, arcs, depth + 1);
+  subdivide(second, arcs, depth + 1);
+}
+
+// Subdivides what surrounds the core side by side, and the core in the end: most likely no plane meets it.
+void PieceBuilder::peel(const Node& node, const ParameterBox& core, const Arcs* arcs, int depth) {
+  const bool along_a = core.a.lo > 0.0 || core.a.hi < 1.0;
+  const Interval range = along_a ? core.a : core.b;
+  if (range.lo <= 0.0 && range.hi >= 1.0) return subdivide(node, arcs, depth);
+  const bool first_is_side = range.lo > 0.0;
+  const double t = first_is_side ? range.lo : range.hi;
+  const auto [first, second] = cut(node, depth, along_a, t);
+  const Interval rest = first_is_side ? Interval{0.0, (range.hi - t) / (1.0 - t)} : Interval{0.0, 1.0};
+  const ParameterBox inner = along_a ? ParameterBox{rest, core.b} : ParameterBox{core.a, rest};
+  subdivide(first_is_side ? first : second, arcs, depth + 1);
+  peel(first_is_side ? second : first, inner, arcs, depth + 1);
+}
+
+std::pair<PieceBuilder::Node, PieceBuilder::Node> PieceBuilder::cut(const Node& node, int depth, bool along_a,
+                                                                    double t) {
   if (stack_.size() < kMaxDepth + 2) stack_.resize(kMaxDepth + 2);
   const Net& net = node.net;
   constexpr Grid Node::* kForms[] = {&Node::jacobian, &Node::turn, &Node::key_jacobian};
@@ -249,22 +273,21 @@ void PieceBuilder::split(const Node& node, const Arcs* arcs, int depth, bool alo
   double *left = stack_[depth].data(), *right = left + all;
   Node first = node, second = node;
   first.net.points = left, second.net.points = right;
-  halve(net.points, net.n, net.m, 4, along_a, left, right);
+  split_net(net.points, net.n, net.m, 4, along_a, t, left, right);
   left += net.size(), right += net.size();
   for (Grid Node::* form : kForms) {
     const Grid& whole = node.*form;
     if (!whole.coefficients) continue;
-    halve(whole.coefficients, whole.n, whole.m, 1, along_a, left, right);
+    split_net(whole.coefficients, whole.n, whole.m, 1, along_a, t, left, right);
     (first.*form).coefficients = left, (second.*form).coefficients = right;
     left += whole.size(), right += whole.size();
   }
   if (along_a) {
-    first.box.s1 = second.box.s0 = 0.5 * (node.box.s0 + node.box.s1);
+    first.box.s1 = second.box.s0 = node.box.s0 + t * (node.box.s1 - node.box.s0);
   } else {
-    first.box.t1 = second.box.t0 = 0.5 * (node.box.t0 + node.box.t1);
+    first.box.t1 = second.box.t0 = node.box.t0 + t * (node.box.t1 - node.box.t0);
   }
-  subdivide(first, arcs, depth + 1);
-  subdivide(second, arcs, depth + 1);
+  return {first, second};
 }
 
 namespace {

@@ -16,6 +16,7 @@
 #include "bezier/net.h"
 #include "camera.h"
 #include "raster/certificate.h"
+#include "raster/level_point.h"
 #include "raster/scan_planes.h"
 #include "raster/trim_portions.h"
 #include "scene.h"
@@ -100,7 +101,10 @@ class PieceBuilder {
 
   void carry_forms(Node& root);
   void subdivide(const Node& node, const Arcs* arcs, int depth);
-  void split(const Node& node, const Arcs* arcs, int depth, bool along_a);
+  // The parts of a node on both sides of a = t or b = t; they stay until the next cut at this depth.
+  std::pair<Node, Node> cut(const Node& node, int depth, bool along_a, double t);
+  void halve(const Node& node, const Arcs* arcs, int depth, bool along_a);
+  void peel(const Node& node, const ParameterBox& core, const Arcs* arcs, int depth);
   // `key_jacobian`: range of that form on the net's own parameters, empty if it is not known.
   void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Interval key_jacobian,
                 Piece* piece) const;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "bezier/interval.h"
+
 namespace nofacet {
 
 // CAD models are full of edges that run exactly through pixel centres or sample lines under a standard view, where
@@ -59,6 +61,20 @@ class ScanPlanes {
     };
     return (centre_ && between(1.0, 0.5)) || (samples_ > 0 && between(samples_, 0.5)) ||
            (locates_level_edges() && between(kLevelSteps, 0.5));
+  }
+
+  // The largest open interval around y that no plane lies in; an end of it may be infinite.
+  Interval gap(double y) const {
+    Interval gap{-INFINITY, INFINITY};
+    const auto narrow = [&](double per_row) {
+      const double last = std::floor((y - kSampleShiftY) * per_row - 0.5), end = rows_ * per_row;
+      if (last >= 0.0) gap.lo = std::max(gap.lo, (std::min(last, end - 1.0) + 0.5) / per_row + kSampleShiftY);
+      if (last < end - 1.0) gap.hi = std::min(gap.hi, (std::max(last, -1.0) + 1.5) / per_row + kSampleShiftY);
+    };
+    if (centre_) narrow(1.0);
+    if (samples_ > 0) narrow(samples_);
+    if (locates_level_edges()) narrow(kLevelSteps);
+    return gap;
   }
 
  private:

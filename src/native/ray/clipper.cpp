@@ -239,7 +239,7 @@ void Clipper::split(const Part& part, const RayRect& rect, int depth) {
                        length_along(part.net, false, bundle.x, bundle.y, depth_scale);
   double *left = stored(depth, 1), *right = stored(depth, 2);
   Part first = part, second = part;
-  halve(part.net.points, part.net.n, part.net.m, 4, along_a, left, right);
+  split_net(part.net.points, part.net.n, part.net.m, 4, along_a, 0.5, left, right);
   if (along_a) {
     first.box.s1 = second.box.s0 = 0.5 * (part.box.s0 + part.box.s1);
   } else {

@@ -115,10 +115,10 @@ void PartTree::add_parts(const Net& net, const PatchBox& box, int32_t patch, int
   double *left = nets_.take(net.size()), *right = nets_.take(net.size());
   PatchBox first = box, second = box;
   if (a.deviation >= b.deviation) {
-    halve(net.points, net.n, net.m, 4, true, left, right);
+    split_net(net.points, net.n, net.m, 4, true, 0.5, left, right);
     first.s1 = second.s0 = 0.5 * (box.s0 + box.s1);
   } else {
-    halve(net.points, net.n, net.m, 4, false, left, right);
+    split_net(net.points, net.n, net.m, 4, false, 0.5, left, right);
     first.t1 = second.t0 = 0.5 * (box.t0 + box.t1);
   }
   add_parts({net.n, net.m, left}, first, patch, halvings + 1);
