@@ -127,8 +127,8 @@ class JobGuesses {
   HWY_INLINE void solve(const NetKind& net, const std::vector<const PixelJob*>& jobs) {
     ends_.clear(), inner_.clear(), courses_.clear();
     for (const PixelJob* job : jobs) {
-      add_end(*job, job->first + 0.5);
-      add_end(*job, job->last - 0.5);
+      add_end(*job, false);
+      add_end(*job, true);
     }
     ends_.solve<kN, kM, kRational>(net);
     for (std::size_t j = 0; j < jobs.size(); ++j) place_inner(*jobs[j], 2 * j);
@@ -156,19 +156,26 @@ class JobGuesses {
   const Values& b() const { return b_; }
 
  private:
-  static constexpr int kSpacing = 16;  // pixels from knot to knot, on average and at most
-  static constexpr int kSingle = 12;   // a job up to this long has no knots between its ends
+  static constexpr int kSpacing = 16;       // pixels from knot to knot, on average and at most
+  static constexpr int kSingle = 5;         // a job up to this long has no knots between its ends
+  static constexpr double kNearEnd = 1.5;  // pixels
 
-  void add_end(const PixelJob& job, double x) {
+  // The end of the job, or the span's own, which is known, where that is near; a fold has no slope there.
+  void add_end(const PixelJob& job, bool right) {
     const Span& span = *job.span;
+    const double x = right ? job.last - 0.5 : job.first + 0.5, end = right ? span.x1 : span.x0;
+    if (!(right ? span.fold1 : span.fold0) && std::fabs(x - end) <= kNearEnd) {
+      ends_.add(job, end, right ? span.a1 : span.a0, right ? span.b1 : span.b0);
+      return;
+    }
     const double p = SpanProgress(span).at(x);
     ends_.add(job, x, span.a0 + p * (span.a1 - span.a0), span.b0 + p * (span.b1 - span.b0));
   }
 
   void place_inner(const PixelJob& job, std::size_t end) {
-    const int length = job.last - job.first - 1;
-    const int intervals = length < kSingle ? 1 : std::max(2, (length + kSpacing - 1) / kSpacing);
-    const Progress progress(job.first + 0.5, length, ends_.a_by_x[end], ends_.a_by_x[end + 1]);
+    const double length = ends_.x[end + 1] - ends_.x[end];
+    const int intervals = length < kSingle ? 1 : std::max(2, int(std::ceil(length / kSpacing)));
+    const Progress progress(ends_.x[end], length, ends_.a_by_x[end], ends_.a_by_x[end + 1]);
     courses_.push_back({progress, intervals, inner_.x.size(), 0});
     if (intervals == 1) return;
     const double rate[2] = {progress.rate(0.0), progress.rate(1.0)};

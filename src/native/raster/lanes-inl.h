@@ -184,6 +184,29 @@ HWY_INLINE void evaluate_lanes(Lanes d, const CentredNet& net, Vec a, Vec b, Lan
   }
 }
 
+// The same without derivatives.
+template <int kN, int kM, bool kRational>
+HWY_INLINE void evaluate_positions(Lanes d, const CentredNet& net, Vec a, Vec b, Vec p[4]) {
+  const int n = kN >= 0 ? kN : net.n, m = kM >= 0 ? kM : net.m;
+  const Vec half = hn::Set(d, 0.5), s = hn::Sub(a, half), t = hn::Sub(b, half);
+  const double* row = net.points + 4 * std::size_t(n) * (m + 1);
+  for (int i = n; i >= 0; --i, row -= 4 * (m + 1)) {
+    for (const int c : {kX, kY, kZ, kW}) {
+      if (c == kW && !kRational) continue;
+      Vec value = hn::Set(d, row[4 * m + c]);
+      for (int j = m - 1; j >= 0; --j) value = hn::MulAdd(value, t, hn::Set(d, row[4 * j + c]));
+      p[c] = i == n ? value : hn::MulAdd(p[c], s, value);
+    }
+  }
+}
+
+template <int kN, int kM, bool kRational>
+HWY_INLINE void evaluate_positions(Lanes d, const Net& net, Vec a, Vec b, Vec p[4]) {
+  LaneJet jet;
+  evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
+  for (int c = 0; c < 4; ++c) p[c] = jet.p[c];
+}
+
 // x, y, key and their derivatives on the screen.
 struct LaneScreen {
   Vec x, y, key, xa, xb, ya, yb, ka, kb;

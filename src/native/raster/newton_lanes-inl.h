@@ -42,6 +42,10 @@ struct View {
 struct Point {
   Vec key, nx, ny, nz, da, db;
   Mask accurate, regular;  // the step's remainder is small; the normal is sound
+  // What a second step with the same derivatives needs: those of F, the inverse of their determinant, the step's size,
+  // how much farther than on the screen an error reaches in depth, and whether the normal may be taken before the step.
+  Vec fxa, fxb, fya, fyb, inverse, step, reach;
+  Mask normal_accurate;
 };
 
 template <bool kRational>
@@ -98,20 +102,48 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
     const Vec nz = hn::MulAdd(hn::Sub(cx, x), by_x, hn::MulAdd(hn::Sub(cy, y), by_y, out.key));
     out.nz = hn::Div(nz, size);  // the key's unit is arbitrary
   }
-  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(step, step)),
-                                hn::Add(one, hn::Add(hn::Abs(ux), hn::Abs(uy))));
-  out.accurate = hn::Le(remainder, hn::Set(d, kPixelTolerance));
+  out.reach = hn::Add(one, hn::Add(hn::Abs(ux), hn::Abs(uy)));
+  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(step, step)), out.reach);
 
   // Squares of the tangents' lengths, times W^2.
   const auto square3 = [&](Vec p, Vec q, Vec r) HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
   const Vec a2 = square3(fxa, fya, hn::Mul(ka, key_scale)), b2 = square3(fxb, fyb, hn::Mul(kb, key_scale));
   // The tangents, taken before the step, differ from those after it by 2 bend step at most.
   const Vec turn = hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), step), weight);
-  out.accurate = hn::And(out.accurate, hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2)));
+  out.normal_accurate = hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2));
+  out.accurate = hn::And(out.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
+  out.fxa = fxa, out.fxb = fxb, out.fya = fya, out.fyb = fyb, out.inverse = inverse, out.step = step;
   const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(determinant, determinant));
   const Vec degenerate = hn::Set(d, kDegenerate * kDegenerate);
   out.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
                         hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
+}
+
+// A second step, from (a, b), where newton_step led to, with the derivatives that it had: all it costs is one more
+// position. They differ from those at (a, b) by 2 bend step at most, so what is left after it is that times the second
+// step, and the remainder of that.
+template <int kN, int kM, bool kRational, class NetKind>
+HWY_INLINE void second_step(Lanes d, const View& view, const NetKind& net, const Origin& origin, const LaneJet& jet,
+                            Vec a, Vec b, Vec x, Vec y, Point& out) {
+  Vec p[4];
+  evaluate_positions<kN, kM, kRational>(d, net, a, b, p);
+  Vec fx, fy;
+  if constexpr (kRational) {
+    fx = hn::NegMulAdd(hn::Sub(x, hn::Set(d, origin.x)), p[kW], p[kX]);
+    fy = hn::NegMulAdd(hn::Sub(y, hn::Set(d, origin.y)), p[kW], p[kY]);
+  } else {
+    fx = hn::Sub(p[kX], hn::Sub(x, hn::Set(d, origin.x))), fy = hn::Sub(p[kY], hn::Sub(y, hn::Set(d, origin.y)));
+  }
+  const Vec da = hn::Mul(hn::MulSub(fy, out.fxb, hn::Mul(fx, out.fyb)), out.inverse);
+  const Vec db = hn::Mul(hn::MulSub(fx, out.fya, hn::Mul(fy, out.fxa)), out.inverse);
+  Vec key = hn::MulAdd(da, jet.pa[kZ], hn::MulAdd(db, jet.pb[kZ], p[kZ]));
+  if constexpr (kRational) key = hn::Div(key, hn::MulAdd(da, jet.pa[kW], hn::MulAdd(db, jet.pb[kW], p[kW])));
+  out.key = hn::Add(key, hn::Set(d, origin.key));
+  out.da = hn::Add(out.da, da), out.db = hn::Add(out.db, db);
+  const Vec step = hn::Max(hn::Abs(da), hn::Abs(db));
+  const Vec both = hn::MulAdd(hn::Set(d, 2.0), out.step, step);
+  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(both, step)), out.reach);
+  out.accurate = hn::And(out.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -333,18 +333,43 @@ bool PieceBuilder::is_planar(const Net& net, Interval key) const {
 
 namespace {
 
-// Bound of d^2 f / da^2 along the cuts y = const, on which db/da = -y_a / y_b. As y is constant there, f - c y bends as
+// Bounds of d^2 f / da^2 along the cuts y = const, on which db/da = -y_a / y_b. As y is constant there, f - c y bends as
 // f does, for any c; with c = f_b / y_b how b itself bends drops out.
-double bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
+Interval bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
   const Interval slope = -(y.fa / y.fb), c = f.fb / y.fb;
-  return (f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope)).magnitude();
+  return f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope);
+}
+
+// Bounds of key_jacobian / jacobian, which is d key / dx along the cuts.
+Interval slopes(const Grid& key_jacobian, const Grid& jacobian) {
+  Interval range = Interval::empty();
+  for (std::size_t k = 0; k < jacobian.size(); ++k) {
+    range.include(key_jacobian.coefficients[k] / jacobian.coefficients[k]);
+  }
+  return value_range(jacobian.coefficients, jacobian.size()).one_signed() ? range : Interval{-INFINITY, INFINITY};
+}
+
+// The c for which key_jacobian - c jacobian has one sign all over, though the Jacobian has two; empty if there are none.
+Interval steady_shears(const Grid& key_jacobian, const Grid& jacobian) {
+  for (const double sign : {1.0, -1.0}) {
+    Interval c{-INFINITY, INFINITY};
+    for (std::size_t k = 0; k < jacobian.size() && c.lo < c.hi; ++k) {
+      const double j = sign * jacobian.coefficients[k], bound = key_jacobian.coefficients[k] / jacobian.coefficients[k];
+      if (j > 0) c.hi = std::min(c.hi, bound);
+      if (j < 0) c.lo = std::max(c.lo, bound);
+      if (j == 0 && !(sign * key_jacobian.coefficients[k] > 0)) c.hi = -INFINITY;
+    }
+    // Well inside of it none of the differences is near zero.
+    if (c.lo < c.hi) return {c.lo + 0.25 * c.width(), c.hi - 0.25 * c.width()};
+  }
+  return Interval::empty();
 }
 
 }  // namespace
 
 // Fills in what a certified piece knows of its cuts.
-void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certificate& certificate,
-                            Interval key_jacobian, Piece* piece) const {
+void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Node& node,
+                            const Box& box, Piece* piece) const {
   piece->kind = certificate.kind;
   piece->transposed = certificate.transposed;
   piece->x = bounds.x.f;
@@ -356,10 +381,19 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   piece->key = key.f;
   const QuotientBounds x = piece->transposed ? transposed_bounds(bounds.x) : bounds.x;
   piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
-  if (key_jacobian.lo <= key_jacobian.hi) {
+  if (node.key_jacobian.coefficients) {
     const Interval w = weight_range(net), cubed{w.lo * w.lo * w.lo, w.hi * w.hi * w.hi};
-    const Interval along = piece->transposed ? -key_jacobian : key_jacobian;
+    // The form is that of the patch's own parameters.
+    const double area = (box.s1 - box.s0) * (box.t1 - box.t0);
+    const Interval along = node.key_jacobian.range() * (piece->transposed ? -area : area);
     piece->key_slope = intersect(piece->key_slope, along / (y.fb * cubed));
+    piece->shears = piece->kind == CutKind::fold ? steady_shears(node.key_jacobian, node.jacobian)
+                                                 : slopes(node.key_jacobian, node.jacobian);
+  } else if (piece->kind == CutKind::fold) {
+    piece->shears = piece->key_slope.one_signed() ? Interval{0.0, 0.0} : Interval::empty();
+  } else {
+    const Interval x_slope = x.fa - (y.fa / y.fb) * x.fb;
+    piece->shears = x_slope.one_signed() ? piece->key_slope / x_slope : Interval{-INFINITY, INFINITY};
   }
   piece->x_bend = bend_along_cut(x, y), piece->key_bend = bend_along_cut(key, y);
   const double key_pixels = pixels_per_key(camera_, key.f);
@@ -382,11 +416,8 @@ void PieceBuilder::emit_certified(const Node& node, const NetBounds& bounds, con
   const std::size_t first_count = turns_.size();
   append_turns(across ? net.at(net.n, 0) : net.at(0, net.m), degree, stride, turns_);
   if (arcs && !turns_.empty()) return emit_cut_at_turns(node, certificate, arcs);
-  // The form is that of the patch's own parameters.
-  const double area = (node.box.s1 - node.box.s0) * (node.box.t1 - node.box.t0);
   Piece piece{};
-  describe(net, bounds, certificate,
-           node.key_jacobian.coefficients ? node.key_jacobian.range() * area : Interval::empty(), &piece);
+  describe(net, bounds, certificate, node, node.box, &piece);
   double* turns = turn_arena_.take(turns_.size());
   std::copy(turns_.begin(), turns_.end(), turns);
   piece.turns = turns;
@@ -413,7 +444,7 @@ void PieceBuilder::emit_cut_at_turns(const Node& node, const Certificate& certif
     }
     const Net part{net.n, net.m, part_.data()};
     Piece piece{};
-    describe(part, NetBounds(part), certificate, Interval::empty(), &piece);
+    describe(part, NetBounds(part), certificate, node, inner, &piece);
     emit(piece, part, inner, arcs);
   }
 }

@@ -48,11 +48,14 @@ struct Piece {
   bool planar;              // the key plane is exact: its error is below kNegligiblePixels
   CutKind kind;             // uncertain: as small as kNegligiblePixels, drawn as a point
   Interval x, y, key;       // pixels, pixels, depth key (camera.h)
-  Interval key_slope;       // d key / da along a cut
-  double x_bend, key_bend;  // d^2 x / da^2 and d^2 key / da^2 along a cut, at most
+  Interval key_slope;         // d key / da along a cut
+  Interval x_bend, key_bend;  // d^2 x / da^2 and d^2 key / da^2 along a cut
+  Interval shears;            // key_is_monotone
   KeyPlane key_plane;
   double bend;  // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
 
+  // Whether key - c x moves one way along every cut: if c is no slope of key by x there.
+  bool key_is_monotone(double c) const { return (shears.lo <= c && c <= shears.hi) == (kind == CutKind::fold); }
   // The face's (u, v) at (a, b), and back.
   void face_from_local(double a, double b, double* u, double* v) const {
     if (transposed) std::swap(a, b);
@@ -105,9 +108,9 @@ class PieceBuilder {
   std::pair<Node, Node> cut(const Node& node, int depth, bool along_a, double t);
   void halve(const Node& node, const Arcs* arcs, int depth, bool along_a);
   void peel(const Node& node, const ParameterBox& core, const Arcs* arcs, int depth);
-  // `key_jacobian`: range of that form on the net's own parameters, empty if it is not known.
-  void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, Interval key_jacobian,
-                Piece* piece) const;
+  // `net` is the node's, or part of it: that over `box`.
+  void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Node& node,
+                const Box& box, Piece* piece) const;
   bool is_planar(const Net& net, Interval key) const;
   void emit_certified(const Node& node, const NetBounds& bounds, const Certificate& certificate, const Arcs* arcs);
   void emit_cut_at_turns(const Node& node, const Certificate& certificate, const Arcs* arcs);

@@ -9,25 +9,51 @@ namespace {
 constexpr double kFinestInterval = 0.5;      // pixels
 constexpr double kCrossingTolerance = 1e-6;  // pixels
 
-// key = at + slope x, to within +-error, all along a span: its chord or the piece's key plane, whichever is closer.
+// How far key - c x may be from running evenly with the parameter between the ends of a span.
+Interval sag(const Span& span, double c) {
+  const Interval bend = span.piece->key_bend - span.piece->x_bend * c;
+  const double reach = 0.125 * (span.a1 - span.a0) * (span.a1 - span.a0);
+  return {-reach * std::max(bend.hi, 0.0), -reach * std::min(bend.lo, 0.0)};
+}
+
+// key = at + slope x, to within `error`, all along a span: its chord or the piece's key plane, whichever is closer.
 struct KeyLine {
-  double at, slope, error;
+  double at, slope;
+  Interval error;
 
   explicit KeyLine(const Span& span) {
-    const Piece& piece = *span.piece;
-    const double length = span.a1 - span.a0;
+    const KeyPlane& plane = span.piece->key_plane;
     slope = (span.key1 - span.key0) / (span.x1 - span.x0);
     at = span.key0 - slope * span.x0;
-    // key - slope x is the same at both ends of the chord, and bends by no more than both its terms.
-    error = 0.125 * length * length * (piece.key_bend + std::fabs(slope) * piece.x_bend);
-    if (piece.key_plane.error <= error) {
-      slope = piece.key_plane.by_x;
-      at = piece.key_plane.key(0.0, span.y);
-      error = piece.key_plane.error;
+    error = sag(span, slope);  // key - slope x is the same at both ends
+    if (2.0 * plane.error <= error.width()) {
+      slope = plane.by_x;
+      at = plane.key(0.0, span.y);
+      error = {-plane.error, plane.error};
     }
   }
   double key(double x) const { return at + slope * x; }
 };
+
+// Bounds of key - c (x - origin) along a span.
+Interval sheared_key(const Span& span, double c, double origin) {
+  const double k0 = span.key0 - c * (span.x0 - origin), k1 = span.key1 - c * (span.x1 - origin);
+  const Interval ends{std::min(k0, k1), std::max(k0, k1)};
+  return span.piece->key_is_monotone(c) ? ends : ends + sag(span, c);
+}
+
+// A shear under which the keys of two spans vary little: both one way, if there is such a shear.
+double common_shear(const Piece& fold, const Piece& other) {
+  Interval c = fold.shears;
+  if (other.kind == CutKind::fold) {
+    const Interval both = intersect(c, other.shears);
+    return both.lo <= both.hi ? both.mid() : c.mid();
+  }
+  // Beside the slopes that the other piece has.
+  const Interval below{c.lo, std::min(c.hi, other.shears.lo)}, above{std::max(c.lo, other.shears.hi), c.hi};
+  const Interval free = above.width() > below.width() ? above : below;
+  return free.lo <= free.hi ? free.mid() : c.mid();
+}
 
 bool of_one_curve(const Span& p, const Span& q) {
   return p.piece == q.piece && p.plane == q.plane && p.curve == q.curve;
@@ -185,24 +211,27 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
   if (const Span* nearer = decide({fresh.nearest, fresh.farthest}, {old.nearest, old.farthest}, tie, fresh, old)) {
     return show(nearer, fresh, x0, x1);
   }
-  // Two sides of a fold: along the curve the key moves one way.
-  if (of_one_curve(fresh, old) && fresh.piece->key_slope.one_signed()) {
-    const bool after = fresh.a0 + fresh.a1 > old.a0 + old.a1;
-    return show(after == fresh.piece->key_slope.positive() ? &old : &fresh, fresh, x0, x1);
-  }
   // By what is linear along x.
   const KeyLine f_line(fresh), o_line(old);
   const double f0 = f_line.key(x0), f1 = f_line.key(x1), o0 = o_line.key(x0), o1 = o_line.key(x1);
-  const double error = f_line.error + o_line.error;
-  const Interval difference{std::min(f0 - o0, f1 - o1) - error, std::max(f0 - o0, f1 - o1) + error};
+  const Interval difference = Interval{std::min(f0 - o0, f1 - o1), std::max(f0 - o0, f1 - o1)} + f_line.error - o_line.error;
   if (const Span* nearer = decide(difference, {0.0, 0.0}, tie, fresh, old)) return show(nearer, fresh, x0, x1);
   // By both kinds of bounds together: one of the spans may be steep and the other long.
-  const auto bound = [](const Span& span, double k0, double k1, double e) {
-    return intersect({std::min(k0, k1) - e, std::max(k0, k1) + e}, {span.nearest, span.farthest});
+  const auto bound = [](const Span& span, double k0, double k1, Interval e) {
+    return intersect(Interval{std::min(k0, k1), std::max(k0, k1)} + e, {span.nearest, span.farthest});
   };
   if (const Span* nearer =
           decide(bound(fresh, f0, f1, f_line.error), bound(old, o0, o1, o_line.error), tie, fresh, old)) {
     return show(nearer, fresh, x0, x1);
+  }
+  // Both sides of a fold are on one side each of where they meet, seen along a slope that the surface has nowhere there.
+  for (const Span* span : {&fresh, &old}) {
+    const Span& other = span == &fresh ? old : fresh;
+    if (span->piece->kind != CutKind::fold || !(span->piece->shears.lo <= span->piece->shears.hi)) continue;
+    const double c = common_shear(*span->piece, *other.piece);
+    if (const Span* nearer = decide(sheared_key(fresh, c, x0), sheared_key(old, c, x0), tie, fresh, old)) {
+      return show(nearer, fresh, x0, x1);
+    }
   }
   return compare_points(fresh, old, x0, x1);
 }

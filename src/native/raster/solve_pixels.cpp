@@ -121,6 +121,7 @@ struct SolveCurved {
 
  private:
   static constexpr int kWidest = 8;  // doubles in a register, at most
+  static constexpr int kGroup = 8;   // vectors
 
   static void add_loose(const PixelJob& job, PixelBatch& batch, RetryBatch& retries) {
     const Span& span = *job.span;
@@ -152,19 +153,33 @@ struct SolveCurved {
     const Vec y = hn::Set(d, run.job->row + 0.5), right = hn::Set(d, run.job->last - 0.5), step = hn::Set(d, width);
     Vec centre = hn::Iota(d, run.first + 0.5);
     uint8_t sound[PixelBatch::kSize / 2 + 8];  // bits of each vector; at least two doubles in each
-    int vectors = 0;
-    for (int k = 0; k < length; k += width, ++vectors, centre = hn::Add(centre, step)) {
-      const int at = run.offset + k;
-      Vec a = hn::LoadU(d, batch.a + at), b = hn::LoadU(d, batch.b + at);
-      box.clamp(a, b);
-      LaneJet jet;
-      Point point;
-      evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
-      newton_step<kRational>(d, view, origin, jet, hn::Min(centre, right), y, kShadeTolerance, point);
-      a = hn::Add(a, point.da), b = hn::Add(b, point.db);
-      const Mask good = hn::And(hn::And(point.accurate, point.regular), box.contains(a, b));
-      hn::StoreMaskBits(d, good, sound + vectors);
-      store(d, batch, at, a, b, point);
+    const int vectors = (length + width - 1) / width;
+    // The step waits for a division and what follows from it: several vectors are under way at once.
+    LaneJet jets[kGroup];
+    for (int group = 0; group < vectors; group += kGroup) {
+      const int end = std::min(vectors, group + kGroup);
+      for (int v = group; v < end; ++v) {
+        const int at = run.offset + v * width;
+        Vec a = hn::LoadU(d, batch.a + at), b = hn::LoadU(d, batch.b + at);
+        box.clamp(a, b);
+        hn::StoreU(a, d, batch.a + at), hn::StoreU(b, d, batch.b + at);
+        evaluate_lanes<kN, kM, kRational>(d, net, a, b, jets[v - group]);
+      }
+      for (int v = group; v < end; ++v, centre = hn::Add(centre, step)) {
+        const int at = run.offset + v * width;
+        const Vec x = hn::Min(centre, right), from_a = hn::LoadU(d, batch.a + at), from_b = hn::LoadU(d, batch.b + at);
+        const LaneJet& jet = jets[v - group];
+        Point point;
+        newton_step<kRational>(d, view, origin, jet, x, y, kShadeTolerance, point);
+        if (!hn::AllTrue(d, point.accurate)) {
+          second_step<kN, kM, kRational>(d, view, net, origin, jet, hn::Add(from_a, point.da),
+                                         hn::Add(from_b, point.db), x, y, point);
+        }
+        const Vec a = hn::Add(from_a, point.da), b = hn::Add(from_b, point.db);
+        const Mask good = hn::And(hn::And(point.accurate, point.regular), box.contains(a, b));
+        hn::StoreMaskBits(d, good, sound + v);
+        store(d, batch, at, a, b, point);
+      }
     }
     const int whole = (1 << width) - 1;
     for (int v = 0; v < vectors; ++v) {

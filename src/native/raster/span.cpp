@@ -15,7 +15,7 @@ Interval bound_key(const Piece& piece, double a0, double key0, double a1, double
   const Interval run = piece.key_slope * (a1 - a0);
   const Interval from_0{key0 + std::min(0.0, run.lo), key0 + std::max(0.0, run.hi)};
   const Interval from_1{key1 - std::max(0.0, run.hi), key1 - std::min(0.0, run.lo)};
-  const double length = a1 - a0, bend = 0.5 * piece.key_bend * length * length, rise = std::fabs(key1 - key0);
+  const double length = a1 - a0, bend = 0.5 * piece.key_bend.magnitude() * length * length, rise = std::fabs(key1 - key0);
   // A parabola of that bend through both ends; from rise = bend on its vertex is not between them.
   const double beyond = rise < bend ? 0.25 * (bend - rise) * (bend - rise) / bend : 0.0;
   const Interval bent{std::min(key0, key1) - beyond, std::max(key0, key1) + beyond};
