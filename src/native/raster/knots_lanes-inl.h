@@ -218,7 +218,7 @@ struct GuessedJob {
 
   bool done() const { return px >= job.last; }
 
-  // Writes guesses for the pixels up to `last`, in whole vectors.
+  // Writes guesses for the pixels up to `last`, in whole vectors: there must be room for one beyond.
   HWY_INLINE void guess_until(int last, double* a, double* b) {
     const Lanes d;
     const int width = int(hn::Lanes(d));
@@ -240,7 +240,7 @@ struct GuessedJob {
       }
       if (px < last) knot += 2;
     }
-    px = std::min(px, job.last);
+    px = last;
   }
 };
 

@@ -18,6 +18,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<double, 8>;
 using Vec = hn::Vec<Lanes>;
 using Mask = hn::Mask<Lanes>;
+// Twice as many as doubles in a register.
+using FloatLanes = hn::CappedTag<float, 16>;
+using FloatVec = hn::Vec<FloatLanes>;
 
 // Bernstein basis of a degree known at compile time, or read from the net (kDegree = -1), and its derivative.
 template <int kDegree>
@@ -147,41 +150,48 @@ HWY_INLINE void evaluate_lanes(Lanes d, const Net& net, Vec a, Vec b, LaneJet& j
   }
 }
 
-// The same by Horner's rule about the middle of the net, in less than two thirds of the time. Positions are relative to
-// the net's centre.
-template <int kN, int kM, bool kRational>
-HWY_INLINE void evaluate_lanes(Lanes d, const CentredNet& net, Vec a, Vec b, LaneJet& jet) {
-  const int n = kN >= 0 ? kN : net.n, m = kM >= 0 ? kM : net.m;
-  const Vec half = hn::Set(d, 0.5), s = hn::Sub(a, half), t = hn::Sub(b, half);
-  constexpr int kLast = kRational ? 3 : 2;
-  constexpr Component kOrder[4] = {kX, kY, kZ, kW};
-  const double* row = net.points + 4 * std::size_t(n) * (m + 1);
+// Horner's rule for a form in powers of s and t, of the components x and y and, if wanted, the key and the weight.
+// T: the numbers' type. p, pa, pb: value and derivatives, as in a jet.
+template <int kN, int kM, bool kKey, bool kRational, class D, class T, class V = hn::Vec<D>>
+HWY_INLINE void horner_lanes(D d, int form_n, int form_m, const T* points, V s, V t, V p[4], V pa[4], V pb[4]) {
+  const int n = kN >= 0 ? kN : form_n, m = kM >= 0 ? kM : form_m;
+  constexpr int kCount = 2 + kKey + kRational;
+  constexpr Component kOrder[4] = {kX, kY, kKey ? kZ : kW, kW};
+  const T* row = points + 4 * std::size_t(n) * (m + 1);
   if constexpr (kN < 0) {
-    for (int c = 0; c < 4; ++c) jet.p[c] = jet.pa[c] = jet.pb[c] = hn::Zero(d);
+    for (int c = 0; c < 4; ++c) p[c] = pa[c] = pb[c] = hn::Zero(d);
   }
   for (int i = n; i >= 0; --i, row -= 4 * (m + 1)) {
-    Vec value[4], slope[4];
-    for (int k = 0; k <= kLast; ++k) {
+    V value[4], slope[4];
+    for (int k = 0; k < kCount; ++k) {
       slope[k] = hn::Set(d, row[4 * m + kOrder[k]]);
       value[k] = hn::MulAdd(slope[k], t, hn::Set(d, row[4 * (m - 1) + kOrder[k]]));
     }
     for (int j = m - 2; j >= 0; --j) {
-      for (int k = 0; k <= kLast; ++k) {
+      for (int k = 0; k < kCount; ++k) {
         slope[k] = hn::MulAdd(slope[k], t, value[k]);
         value[k] = hn::MulAdd(value[k], t, hn::Set(d, row[4 * j + kOrder[k]]));
       }
     }
-    for (int k = 0; k <= kLast; ++k) {
+    for (int k = 0; k < kCount; ++k) {
       const int c = kOrder[k];
       if (i == n) {
-        jet.p[c] = value[k], jet.pb[c] = slope[k], jet.pa[c] = hn::Zero(d);
+        p[c] = value[k], pb[c] = slope[k], pa[c] = hn::Zero(d);
       } else {
-        jet.pa[c] = hn::MulAdd(jet.pa[c], s, jet.p[c]);
-        jet.p[c] = hn::MulAdd(jet.p[c], s, value[k]);
-        jet.pb[c] = hn::MulAdd(jet.pb[c], s, slope[k]);
+        pa[c] = hn::MulAdd(pa[c], s, p[c]);
+        p[c] = hn::MulAdd(p[c], s, value[k]);
+        pb[c] = hn::MulAdd(pb[c], s, slope[k]);
       }
     }
   }
+}
+
+// The same as for a net, in less than two thirds of the time. Positions are relative to the net's centre.
+template <int kN, int kM, bool kRational>
+HWY_INLINE void evaluate_lanes(Lanes d, const CentredNet& net, Vec a, Vec b, LaneJet& jet) {
+  const Vec half = hn::Set(d, 0.5);
+  horner_lanes<kN, kM, true, kRational>(d, net.n, net.m, net.points, hn::Sub(a, half), hn::Sub(b, half), jet.p, jet.pa,
+                                        jet.pb);
 }
 
 // The same without derivatives.
@@ -190,12 +200,13 @@ HWY_INLINE void evaluate_positions(Lanes d, const CentredNet& net, Vec a, Vec b,
   const int n = kN >= 0 ? kN : net.n, m = kM >= 0 ? kM : net.m;
   const Vec half = hn::Set(d, 0.5), s = hn::Sub(a, half), t = hn::Sub(b, half);
   const double* row = net.points + 4 * std::size_t(n) * (m + 1);
+  for (int c = 0; c < 4; ++c) p[c] = hn::Zero(d);
   for (int i = n; i >= 0; --i, row -= 4 * (m + 1)) {
     for (const int c : {kX, kY, kZ, kW}) {
       if (c == kW && !kRational) continue;
       Vec value = hn::Set(d, row[4 * m + c]);
       for (int j = m - 1; j >= 0; --j) value = hn::MulAdd(value, t, hn::Set(d, row[4 * j + c]));
-      p[c] = i == n ? value : hn::MulAdd(p[c], s, value);
+      p[c] = hn::MulAdd(p[c], s, value);
     }
   }
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "raster/fill.h"
 #include "raster/shade.h"
 
 namespace nofacet {
@@ -31,7 +30,7 @@ void RowAverage::average(int row, const std::vector<VisibleSegment>& front, cons
   cursors_.assign(lines.size(), 0);
   const std::size_t start = std::size_t(row) * frame_.width;
   for (const FaceRun& run : runs_) {
-    if (frame_.coverage) fill(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
+    if (frame_.coverage) std::fill_n(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
   }
   for (const FaceRun& run : runs_) {
     for (int px = run.first; px < run.last; ++px) {

@@ -6,7 +6,6 @@
 #define NOFACET_RASTER_SHADE_LANES_INL_H_
 #endif
 
-#include "hwy/cache_control.h"
 #include "light.h"
 #include "raster/newton_lanes-inl.h"
 #include "raster/pixel_batch.h"
@@ -14,10 +13,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace nofacet {
 namespace HWY_NAMESPACE {
-
-// Twice as many as doubles in a register.
-using FloatLanes = hn::CappedTag<float, 16>;
-using FloatVec = hn::Vec<FloatLanes>;
 
 struct Shade {
   FloatVec red, green, blue;
@@ -71,12 +66,13 @@ HWY_INLINE void shade_batch(const View& view, PixelBatch& batch) {
   for (const BatchRun& run : batch.runs) {
     if (!view.camera.perspective) break;
     for (int k = 0; k < run.last - run.first; ++k) {
-      batch.x[run.offset + k] = float(run.first + k) + 0.5f, batch.y[run.offset + k] = float(run.job->row) + 0.5f;
+      batch.pixel_x[run.offset + k] = float(run.first + k) + 0.5f;
+      batch.pixel_y[run.offset + k] = float(run.job->row) + 0.5f;
     }
   }
   for (int k = 0; k < batch.size; k += width) {
     const auto at = [&](const float* list) HWY_ATTR { return hn::LoadU(df, list + k); };
-    const Shade rgb = shade_lanes(view, at(batch.nx), at(batch.ny), at(batch.nz), at(batch.x), at(batch.y));
+    const Shade rgb = shade_lanes(view, at(batch.nx), at(batch.ny), at(batch.nz), at(batch.pixel_x), at(batch.pixel_y));
     hn::StoreInterleaved4(rgb.red, rgb.green, rgb.blue, hn::Set(df, 1.0f), df, batch.color + 4 * k);
   }
 }
@@ -96,21 +92,10 @@ HWY_INLINE void write_normals(Lanes d, const View& view, std::size_t at, int cou
   std::copy_n(part, 3 * count, view.frame.normal + 3 * at);
 }
 
-// Copies to memory that is not read soon, past the cache where whole vectors go.
-template <class T>
-HWY_INLINE void stream_copy(const T* from, std::size_t count, T* to) {
-  const hn::CappedTag<T, 64 / sizeof(T)> d;
-  const std::size_t width = hn::Lanes(d), bytes = width * sizeof(T);
-  const T* const end = from + count;
-  while (from != end && reinterpret_cast<uintptr_t>(to) % bytes != 0) *to++ = *from++;
-  for (; std::size_t(end - from) >= width; from += width, to += width) hn::Stream(hn::LoadU(d, from), d, to);
-  while (from != end) *to++ = *from++;
-}
-
 // Writes the depths of `count` pixels.
 HWY_INLINE void write_depths(const View& view, std::size_t at, int count, double* key) {
   for (int k = 0; k < count && view.camera.perspective; ++k) key[k] = -1.0 / key[k];
-  stream_copy(key, count, view.frame.depth + at);
+  std::copy_n(key, count, view.frame.depth + at);
 }
 
 }  // namespace HWY_NAMESPACE

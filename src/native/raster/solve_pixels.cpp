@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "hwy/foreach_target.h"
-#include "raster/fill.h"
+#include "raster/coarse_lanes-inl.h"
 #include "raster/knots_lanes-inl.h"
 #include "raster/newton_lanes-inl.h"
 #include "raster/pixel_batch.h"
@@ -19,10 +19,14 @@ namespace nofacet {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A pixel takes one step from its guess, and this many more if that was not enough.
+// Jobs up to this long have no knots: their pixels are guessed evenly along the span, and take their first steps in
+// single precision.
+constexpr int kShortJob = 24;
+constexpr int kCoarseSteps = 6;
+// A step of this size leaves an error of about its square, where single precision ends.
+constexpr float kCoarseStep = 2e-4f;
+// Every pixel then takes a step, and this many more if that was not enough.
 constexpr int kMaxRetries = 8;
-// Pixels of jobs up to this long are solved without knots, with pixels of other jobs in the same vector.
-constexpr int kLooseJob = 4;
 // Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
 constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
 constexpr double kCentredTolerance = 2e-9;  // pixels
@@ -32,7 +36,8 @@ struct PixelScratch {
   std::vector<const PixelJob*> long_jobs;
   JobGuesses guesses;
   PixelBatch batch;
-  RetryBatch retries;
+  CoarseBatch coarse;
+  std::vector<float> coarse_net;
 };
 
 // Writes what the batch holds but for uv and normals, which are solved once more.
@@ -42,7 +47,7 @@ void write_batch(const View& view, PixelBatch& batch) {
     const std::size_t at = std::size_t(run.job->row) * view.frame.width + run.first;
     const int length = run.last - run.first;
     if (view.frame.depth) write_depths(view, at, length, batch.key + run.offset);
-    if (view.frame.color) stream_copy(batch.color + 4 * run.offset, 4 * length, view.frame.color + 4 * at);
+    if (view.frame.color) std::copy_n(batch.color + 4 * run.offset, 4 * length, view.frame.color + 4 * at);
   }
 }
 
@@ -77,11 +82,12 @@ HWY_NOINLINE void SolvePlanar(const View& view, const PixelJob* jobs, std::size_
   write_batch(view, batch);
 }
 
-// NetKind: Net or CentredNet.
+// NetKind: Net or CentredNet. `centred` is the same net, good enough for first steps.
 template <class NetKind>
 struct SolveCurved {
   const View& view;
   const NetKind& net;
+  const CentredNet& centred;
   const PixelJob* jobs;
   std::size_t count;
   std::vector<HardPixel>& hard;
@@ -89,157 +95,225 @@ struct SolveCurved {
 
   template <int kN, int kM, bool kRational>
   HWY_NOINLINE HWY_ATTR void operator()() const {
-    std::vector<const PixelJob*>& long_jobs = scratch.long_jobs;
-    JobGuesses& guesses = scratch.guesses;
     PixelBatch& batch = scratch.batch;
-    RetryBatch& retries = scratch.retries;
     batch.clear();
-    retries.size = 0;
-    long_jobs.clear();
-    const auto make_room = [&](int most) {
-      if (batch.room() < most) finish<kN, kM, kRational>(batch, retries);
-    };
+    scratch.long_jobs.clear();
+    const CoarseNet coarse_net(centred, scratch.coarse_net);
     for (const PixelJob *job = jobs, *end = jobs + count; job != end; ++job) {
-      if (job->last - job->first > kLooseJob) {
-        long_jobs.push_back(job);
+      if (job->last - job->first > kShortJob) {
+        scratch.long_jobs.push_back(job);
         continue;
       }
-      make_room(kLooseJob);
-      add_loose(*job, batch, retries);
-    }
-    batch.size = (batch.size + kWidest - 1) / kWidest * kWidest;
-    guesses.solve<kN, kM, kRational>(net, long_jobs);
-    for (std::size_t j = 0; j < long_jobs.size(); ++j) {
-      GuessedJob guessed(guesses, j, *long_jobs[j]);
-      while (!guessed.done()) {
-        make_room(kWidest);
-        step_run<kN, kM, kRational>(guess_run(guessed, batch), batch, retries);
+      for (int px = job->first; px < job->last;) {
+        if (batch.room() == 0) finish_short<kN, kM, kRational>(coarse_net);
+        const BatchRun run = add_run(*job, px);
+        guess_evenly(run);
+        px = run.last;
       }
     }
-    finish<kN, kM, kRational>(batch, retries);
+    finish_short<kN, kM, kRational>(coarse_net);
+    JobGuesses& guesses = scratch.guesses;
+    guesses.solve<kN, kM, kRational>(net, scratch.long_jobs);
+    for (std::size_t j = 0; j < scratch.long_jobs.size(); ++j) {
+      GuessedJob guessed(guesses, j, *scratch.long_jobs[j]);
+      while (!guessed.done()) {
+        if (batch.room() == 0) finish<kN, kM, kRational>();
+        const BatchRun run = add_run(guessed.job, guessed.px);
+        guessed.guess_until(run.last, batch.a + run.offset, batch.b + run.offset);
+      }
+    }
+    finish<kN, kM, kRational>();
   }
 
  private:
-  static constexpr int kWidest = 8;  // doubles in a register, at most
-  static constexpr int kGroup = 8;   // vectors
+  static constexpr int kGroup = 8;    // vectors
+  static constexpr int kWidest = 16;  // numbers in a register, at most
 
-  static void add_loose(const PixelJob& job, PixelBatch& batch, RetryBatch& retries) {
-    const Span& span = *job.span;
-    const SpanProgress along(span);
-    batch.runs.push_back({&job, job.first, job.last, batch.size});
-    for (int px = job.first; px < job.last; ++px) {
-      const double p = along.at(px + 0.5);
-      retries.add(batch.size++, job, px, span.a0 + p * (span.a1 - span.a0), span.b0 + p * (span.b1 - span.b0));
-    }
-  }
-
-  // Appends as many pixels of the job as there is room for, with guesses of their parameters.
-  static HWY_INLINE BatchRun guess_run(GuessedJob& guessed, PixelBatch& batch) {
-    const BatchRun run{&guessed.job, guessed.px, std::min(guessed.job.last, guessed.px + batch.room()), batch.size};
-    guessed.guess_until(run.last, batch.a + run.offset, batch.b + run.offset);
+  // Appends as many pixels of the job as there is room for, from `first` on, but for their parameters.
+  HWY_INLINE BatchRun add_run(const PixelJob& job, int first) const {
+    const Lanes d;
+    PixelBatch& batch = scratch.batch;
+    const int length = std::min(job.last - first, batch.room());
+    const BatchRun run{&job, first, first + length, batch.size};
     batch.runs.push_back(run);
-    batch.size += (run.last - run.first + kWidest - 1) / kWidest * kWidest;
+    batch.size += length;
+    const Span& span = *job.span;
+    const Vec y = hn::Set(d, job.row + 0.5);
+    const Vec lo = hn::Set(d, std::min(span.a0, span.a1)), hi = hn::Set(d, std::max(span.a0, span.a1));
+    for (int k = 0; k < length; k += int(hn::Lanes(d))) {
+      hn::StoreU(hn::Iota(d, first + k + 0.5), d, batch.x + run.offset + k);
+      hn::StoreU(y, d, batch.y + run.offset + k);
+      hn::StoreU(lo, d, batch.a_lo + run.offset + k), hn::StoreU(hi, d, batch.a_hi + run.offset + k);
+    }
     return run;
   }
 
-  // One step for the run's pixels.
-  template <int kN, int kM, bool kRational>
-  HWY_INLINE void step_run(const BatchRun& run, PixelBatch& batch, RetryBatch& retries) const {
+  HWY_INLINE void guess_evenly(const BatchRun& run) const {
     const Lanes d;
-    const int width = int(hn::Lanes(d)), length = run.last - run.first;
-    const Span& span = *run.job->span;
-    const SpanBox box(d, hn::Set(d, std::min(span.a0, span.a1)), hn::Set(d, std::max(span.a0, span.a1)));
-    const Origin origin = origin_of(net);
-    const Vec y = hn::Set(d, run.job->row + 0.5), right = hn::Set(d, run.job->last - 0.5), step = hn::Set(d, width);
-    Vec centre = hn::Iota(d, run.first + 0.5);
-    uint8_t sound[PixelBatch::kSize / 2 + 8];  // bits of each vector; at least two doubles in each
-    const int vectors = (length + width - 1) / width;
-    // The step waits for a division and what follows from it: several vectors are under way at once.
-    LaneJet jets[kGroup];
-    for (int group = 0; group < vectors; group += kGroup) {
-      const int end = std::min(vectors, group + kGroup);
-      for (int v = group; v < end; ++v) {
-        const int at = run.offset + v * width;
-        Vec a = hn::LoadU(d, batch.a + at), b = hn::LoadU(d, batch.b + at);
-        box.clamp(a, b);
-        hn::StoreU(a, d, batch.a + at), hn::StoreU(b, d, batch.b + at);
-        evaluate_lanes<kN, kM, kRational>(d, net, a, b, jets[v - group]);
-      }
-      for (int v = group; v < end; ++v, centre = hn::Add(centre, step)) {
-        const int at = run.offset + v * width;
-        const Vec x = hn::Min(centre, right), from_a = hn::LoadU(d, batch.a + at), from_b = hn::LoadU(d, batch.b + at);
-        const LaneJet& jet = jets[v - group];
-        Point point;
-        newton_step<kRational>(d, view, origin, jet, x, y, kShadeTolerance, point);
-        if (!hn::AllTrue(d, point.accurate)) {
-          second_step<kN, kM, kRational>(d, view, net, origin, jet, hn::Add(from_a, point.da),
-                                         hn::Add(from_b, point.db), x, y, point);
-        }
-        const Vec a = hn::Add(from_a, point.da), b = hn::Add(from_b, point.db);
-        const Mask good = hn::And(hn::And(point.accurate, point.regular), box.contains(a, b));
-        hn::StoreMaskBits(d, good, sound + v);
-        store(d, batch, at, a, b, point);
-      }
-    }
-    const int whole = (1 << width) - 1;
-    for (int v = 0; v < vectors; ++v) {
-      if ((sound[v] & whole) != whole) retry(batch, run, v * width, width, sound[v], retries);
+    PixelBatch& batch = scratch.batch;
+    const SpanProgress along(*run.job->span);
+    for (int k = run.offset; k < run.offset + run.last - run.first; k += int(hn::Lanes(d))) {
+      Vec a, b;
+      guess_on_span(d, *run.job->span, along.at(d, hn::LoadU(d, batch.x + k)), a, b);
+      hn::StoreU(a, d, batch.a + k), hn::StoreU(b, d, batch.b + k);
     }
   }
 
-  static HWY_INLINE void store(Lanes d, PixelBatch& batch, int at, Vec a, Vec b, const Point& point) {
-    const hn::Rebind<float, Lanes> df;
-    hn::StoreU(a, d, batch.a + at), hn::StoreU(b, d, batch.b + at), hn::StoreU(point.key, d, batch.key + at);
-    hn::StoreU(hn::DemoteTo(df, point.nx), df, batch.nx + at);
-    hn::StoreU(hn::DemoteTo(df, point.ny), df, batch.ny + at);
-    hn::StoreU(hn::DemoteTo(df, point.nz), df, batch.nz + at);
-  }
-
-  static void retry(const PixelBatch& batch, const BatchRun& run, int first, int width, uint8_t sound,
-                    RetryBatch& retries) {
-    for (int k = 0; k < width && run.first + first + k < run.last; ++k) {
-      const int entry = run.offset + first + k;
-      if (!(sound >> k & 1)) retries.add(entry, *run.job, run.first + first + k, batch.a[entry], batch.b[entry]);
+  // Fills a last, incomplete vector with copies of the last entry.
+  void pad() const {
+    PixelBatch& batch = scratch.batch;
+    const int end = (batch.size + kWidest - 1) / kWidest * kWidest;
+    for (double* list : {batch.x, batch.y, batch.a_lo, batch.a_hi, batch.a, batch.b}) {
+      std::fill(list + batch.size, list + end, list[batch.size - 1]);
     }
   }
 
-  // Solves what is left of the batch, writes it, and empties it.
   template <int kN, int kM, bool kRational>
-  HWY_NOINLINE HWY_ATTR void finish(PixelBatch& batch, RetryBatch& retries) const {
+  HWY_NOINLINE HWY_ATTR void finish_short(const CoarseNet& coarse_net) const {
+    if (scratch.batch.size == 0) return;
+    pad();
+    take_coarse_steps<kN, kM, kRational>(coarse_net);
+    finish<kN, kM, kRational>();
+  }
+
+  // First steps for the whole batch.
+  template <int kN, int kM, bool kRational>
+  HWY_INLINE void take_coarse_steps(const CoarseNet& coarse_net) const {
     const Lanes d;
-    const int width = int(hn::Lanes(d));
-    if (retries.size > 0) retries.pad(width);
-    for (int k = 0; k < retries.size; k += width) solve_retries<kN, kM, kRational>(retries, k, batch);
-    retries.size = 0;
+    const hn::Rebind<float, Lanes> half;
+    const FloatLanes df;
+    const Origin origin = origin_of(centred);
+    PixelBatch& batch = scratch.batch;
+    CoarseBatch& coarse = scratch.coarse;
+    const int width = int(hn::Lanes(d)), wide = int(hn::Lanes(df));
+    const int size = (batch.size + wide - 1) / wide * wide;
+    const auto demote = [&](const double* from, double middle, float* to) HWY_ATTR {
+      const Vec shift = hn::Set(d, middle);
+      for (int k = 0; k < size; k += width) {
+        hn::StoreU(hn::DemoteTo(half, hn::Sub(hn::LoadU(d, from + k), shift)), half, to + k);
+      }
+    };
+    demote(batch.x, origin.x, coarse.x), demote(batch.y, origin.y, coarse.y);
+    demote(batch.a_lo, 0.5, coarse.a_lo), demote(batch.a_hi, 0.5, coarse.a_hi);
+    demote(batch.a, 0.5, coarse.a), demote(batch.b, 0.5, coarse.b);
+    for (int k = 0; k < size; k += wide) {
+      const auto at = [&](const float* list) HWY_ATTR { return hn::LoadU(df, list + k); };
+      FloatVec a = at(coarse.a), b = at(coarse.b);
+      solve_coarse<kN, kM, kRational>(df, coarse_net, at(coarse.a_lo), at(coarse.a_hi), at(coarse.x), at(coarse.y),
+                                      kCoarseSteps, kCoarseStep, a, b);
+      hn::StoreU(a, df, coarse.a + k), hn::StoreU(b, df, coarse.b + k);
+    }
+    const auto promote = [&](const float* from, double* to) HWY_ATTR {
+      const Vec shift = hn::Set(d, 0.5);
+      for (int k = 0; k < size; k += width) {
+        hn::StoreU(hn::Add(hn::PromoteTo(d, hn::LoadU(half, from + k)), shift), d, to + k);
+      }
+    };
+    promote(coarse.a, batch.a), promote(coarse.b, batch.b);
+  }
+
+  // Solves the batch from its guesses, writes it and empties it.
+  template <int kN, int kM, bool kRational>
+  HWY_NOINLINE HWY_ATTR void finish() const {
+    PixelBatch& batch = scratch.batch;
+    if (batch.size == 0) return;
+    pad();
+    take_steps<kN, kM, kRational>();
+    for (int k = 0; k < batch.failed_count; k += int(hn::Lanes(Lanes()))) retry<kN, kM, kRational>(k);
     if (view.values) write_batch(view, batch);
     for (const BatchRun& run : batch.runs) {
       if (view.frame.uv) write_uv(run, batch);
-      if (view.values && view.frame.normal) solve_normals<kN, kM, kRational>(run, batch);
+      if (view.values && view.frame.normal) solve_normals<kN, kM, kRational>(run);
     }
     batch.clear();
   }
 
+  SpanBox box_at(Lanes d, int entry) const {
+    return SpanBox(d, hn::LoadU(d, scratch.batch.a_lo + entry), hn::LoadU(d, scratch.batch.a_hi + entry));
+  }
+
+  // One step for all pixels, or two with the same derivatives; what that does not solve is noted.
   template <int kN, int kM, bool kRational>
-  HWY_INLINE void solve_retries(const RetryBatch& retries, int first, PixelBatch& batch) const {
+  HWY_INLINE void take_steps() const {
     const Lanes d;
-    const SpanBox box(d, hn::LoadU(d, retries.a_lo + first), hn::LoadU(d, retries.a_hi + first));
-    const Vec x = hn::LoadU(d, retries.x + first), y = hn::LoadU(d, retries.y + first);
-    Vec a = hn::LoadU(d, retries.a + first), b = hn::LoadU(d, retries.b + first);
-    Point point;
-    const Mask good = iterate<kN, kM, kRational>(d, box, x, y, kMaxRetries, kShadeTolerance, a, b, point);
-    HWY_ALIGN double values[6][8];
+    PixelBatch& batch = scratch.batch;
+    const int width = int(hn::Lanes(d));
+    const Origin origin = origin_of(net);
+    // The step waits for a division and what follows from it: several vectors are under way at once.
+    LaneJet jets[kGroup];
+    for (int group = 0; group < batch.size; group += kGroup * width) {
+      const int end = std::min(batch.size, group + kGroup * width);
+      LaneJet* jet = jets;
+      for (int k = group; k < end; k += width) {
+        Vec a = hn::LoadU(d, batch.a + k), b = hn::LoadU(d, batch.b + k);
+        box_at(d, k).clamp(a, b);
+        hn::StoreU(a, d, batch.a + k), hn::StoreU(b, d, batch.b + k);
+        evaluate_lanes<kN, kM, kRational>(d, net, a, b, *jet++);
+      }
+      jet = jets;
+      for (int k = group; k < end; k += width, ++jet) {
+        const Vec x = hn::LoadU(d, batch.x + k), y = hn::LoadU(d, batch.y + k);
+        const Vec from_a = hn::LoadU(d, batch.a + k), from_b = hn::LoadU(d, batch.b + k);
+        Point point;
+        newton_step<kRational>(d, view, origin, *jet, x, y, kShadeTolerance, point);
+        if (!hn::AllTrue(d, point.accurate)) {
+          second_step<kN, kM, kRational>(d, view, net, origin, *jet, hn::Add(from_a, point.da),
+                                         hn::Add(from_b, point.db), x, y, point);
+        }
+        const Vec a = hn::Add(from_a, point.da), b = hn::Add(from_b, point.db);
+        const Mask good = hn::And(hn::And(point.accurate, point.regular), box_at(d, k).contains(a, b));
+        store(d, k, a, b, point);
+        if (!hn::AllTrue(d, good)) note_failed(d, good, k);
+      }
+    }
+  }
+
+  HWY_INLINE void store(Lanes d, int entry, Vec a, Vec b, const Point& point) const {
+    const hn::Rebind<float, Lanes> df;
+    PixelBatch& batch = scratch.batch;
+    hn::StoreU(a, d, batch.a + entry), hn::StoreU(b, d, batch.b + entry), hn::StoreU(point.key, d, batch.key + entry);
+    hn::StoreU(hn::DemoteTo(df, point.nx), df, batch.nx + entry);
+    hn::StoreU(hn::DemoteTo(df, point.ny), df, batch.ny + entry);
+    hn::StoreU(hn::DemoteTo(df, point.nz), df, batch.nz + entry);
+  }
+
+  void note_failed(Lanes d, Mask good, int first) const {
+    PixelBatch& batch = scratch.batch;
     uint8_t sound[8];
-    const Vec results[6] = {a, b, point.key, point.nx, point.ny, point.nz};
-    for (int c = 0; c < 6; ++c) hn::Store(results[c], d, values[c]);
     hn::StoreMaskBits(d, good, sound);
-    for (int k = 0; k < int(hn::Lanes(d)) && first + k < retries.size; ++k) {
-      const int entry = retries.entry[first + k];
-      batch.a[entry] = values[0][k], batch.b[entry] = values[1][k], batch.key[entry] = values[2][k];
-      batch.nx[entry] = float(values[3][k]), batch.ny[entry] = float(values[4][k]),
-      batch.nz[entry] = float(values[5][k]);
+    for (int k = 0; k < int(hn::Lanes(d)) && first + k < batch.size; ++k) {
+      if (!(sound[0] >> k & 1)) batch.failed[batch.failed_count++] = first + k;
+    }
+  }
+
+  // Iterates a vector of failed pixels, from the one in place `first` of their list on.
+  template <int kN, int kM, bool kRational>
+  HWY_INLINE void retry(int first) const {
+    const Lanes d;
+    PixelBatch& batch = scratch.batch;
+    const int width = int(hn::Lanes(d)), part = std::min(width, batch.failed_count - first);
+    HWY_ALIGN double packed[6][8];
+    for (int k = 0; k < width; ++k) {
+      const int entry = batch.failed[first + std::min(k, part - 1)];
+      const double* lists[6] = {batch.x, batch.y, batch.a, batch.b, batch.a_lo, batch.a_hi};
+      for (int c = 0; c < 6; ++c) packed[c][k] = lists[c][entry];
+    }
+    const auto at = [&](int c) HWY_ATTR { return hn::Load(d, packed[c]); };
+    const SpanBox box(d, at(4), at(5));
+    Vec a = at(2), b = at(3);
+    Point point;
+    const Mask good = iterate<kN, kM, kRational>(d, box, at(0), at(1), kMaxRetries, kShadeTolerance, a, b, point);
+    const Vec results[6] = {a, b, point.key, point.nx, point.ny, point.nz};
+    for (int c = 0; c < 6; ++c) hn::Store(results[c], d, packed[c]);
+    uint8_t sound[8];
+    hn::StoreMaskBits(d, good, sound);
+    for (int k = 0; k < part; ++k) {
+      const int entry = batch.failed[first + k];
+      batch.a[entry] = packed[0][k], batch.b[entry] = packed[1][k], batch.key[entry] = packed[2][k];
+      batch.nx[entry] = float(packed[3][k]), batch.ny[entry] = float(packed[4][k]), batch.nz[entry] = float(packed[5][k]);
       if (sound[0] >> k & 1) continue;
-      const PixelJob& job = *retries.job[first + k];
-      hard.push_back({job.span, job.row, int(retries.x[first + k]), view.values, false, view.frame.uv != nullptr});
+      const PixelJob& job = *batch.run_of(entry).job;
+      hard.push_back({job.span, job.row, int(batch.x[entry]), view.values, false, view.frame.uv != nullptr});
     }
   }
 
@@ -260,24 +334,22 @@ struct SolveCurved {
   }
 
   template <int kN, int kM, bool kRational>
-  HWY_INLINE void solve_normals(const BatchRun& run, const PixelBatch& batch) const {
+  HWY_INLINE void solve_normals(const BatchRun& run) const {
     const Lanes d;
+    const PixelBatch& batch = scratch.batch;
     const int width = int(hn::Lanes(d)), length = run.last - run.first;
-    const Span& span = *run.job->span;
-    const SpanBox box(d, hn::Set(d, std::min(span.a0, span.a1)), hn::Set(d, std::max(span.a0, span.a1)));
-    const Vec y = hn::Set(d, run.job->row + 0.5), right = hn::Set(d, run.last - 0.5);
     for (int k = 0; k < length; k += width) {
-      const int part = std::min(width, length - k);
-      const Vec x = hn::Min(hn::Iota(d, run.first + k + 0.5), right);
-      Vec a = hn::LoadU(d, batch.a + run.offset + k), b = hn::LoadU(d, batch.b + run.offset + k);
+      const int part = std::min(width, length - k), entry = run.offset + k;
+      Vec a = hn::LoadU(d, batch.a + entry), b = hn::LoadU(d, batch.b + entry);
       Point point;
-      const Mask good = iterate<kN, kM, kRational>(d, box, x, y, 2, kNormalTolerance, a, b, point);
+      const Mask good = iterate<kN, kM, kRational>(d, box_at(d, entry), hn::LoadU(d, batch.x + entry),
+                                                   hn::LoadU(d, batch.y + entry), 2, kNormalTolerance, a, b, point);
       const std::size_t at = std::size_t(run.job->row) * view.frame.width + run.first + k;
       write_normals(d, view, at, part, point.nx, point.ny, point.nz);
       uint8_t sound[8];
       hn::StoreMaskBits(d, good, sound);
       for (int i = 0; i < part; ++i) {
-        if (!(sound[0] >> i & 1)) hard.push_back({&span, run.job->row, run.first + k + i, false, true, false});
+        if (!(sound[0] >> i & 1)) hard.push_back({run.job->span, run.job->row, run.first + k + i, false, true, false});
       }
     }
   }
@@ -301,9 +373,9 @@ void SolvePixels(const Camera& camera, const Frame& frame, const Piece& piece, c
   const CentredNet centred = centre_net(piece.net, storage);
   if (centred.error < kCentredTolerance) {
     for_degrees(piece.net.n, piece.net.m, piece.rational,
-                SolveCurved<CentredNet>{view, centred, jobs, count, hard, scratch});
+                SolveCurved<CentredNet>{view, centred, centred, jobs, count, hard, scratch});
   } else {
-    SolveCurved<Net>{view, piece.net, jobs, count, hard, scratch}.template operator()<-1, -1, true>();
+    SolveCurved<Net>{view, piece.net, centred, jobs, count, hard, scratch}.template operator()<-1, -1, true>();
   }
 }
 
@@ -321,7 +393,7 @@ void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, 
                   const PixelJob* jobs, std::size_t count, std::vector<HardPixel>& hard) {
   for (const PixelJob *job = jobs, *end = jobs + count; job != end && frame.face; ++job) {
     int32_t* row = frame.face + std::size_t(job->row) * frame.width;
-    fill(row + job->first, job->last - job->first, scene.face_number(piece.face));
+    std::fill_n(row + job->first, job->last - job->first, scene.face_number(piece.face));
   }
   if (!frame.depth && !frame.color && !frame.uv && !frame.normal) return;
   if ((piece.kind > CutKind::fold || is_tiny(piece)) && !piece.planar) {
