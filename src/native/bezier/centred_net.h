@@ -1,7 +1,5 @@
 // A net in powers of a - 1/2 and b - 1/2, for fast evaluation.
 #pragma once
-#include <vector>
-
 #include "bezier/net.h"
 
 namespace nofacet {
@@ -17,7 +15,9 @@ struct CentredNet {
   double error;
 };
 
-// `storage` holds the coefficients. All weights must be positive.
-CentredNet centre_net(const Net& net, std::vector<double>& storage);
+// Highest powers that together move no point of the net by more than kCentredRest, in x, y, and the key times
+// `key_scale`, are left out. `out` has room for the net; all weights must be positive.
+inline constexpr double kCentredRest = 1e-12;
+CentredNet centre_net(const Net& net, double key_scale, double* out);
 
 }  // namespace nofacet

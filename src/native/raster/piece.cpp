@@ -461,7 +461,11 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   piece.patch = patch_;
   piece.face = face_;
   piece.s0 = box.s0, piece.s1 = box.s1, piece.t0 = box.t0, piece.t1 = box.t1;
-  if (piece.kind == CutKind::uncertain) piece.key = hull_range(net, kZ, kW);
+  if (piece.kind == CutKind::uncertain) {
+    piece.key = hull_range(net, kZ, kW);
+  } else {
+    piece.centred = centre_net(piece.net, pixels_per_key(camera_, piece.key), nets_.take(net.size()));
+  }
   if (arcs) {
     piece.region = region_;
     if (piece.kind != CutKind::uncertain) add_portions(piece, *arcs);

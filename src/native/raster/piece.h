@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arena.h"
+#include "bezier/centred_net.h"
 #include "bezier/interval.h"
 #include "bezier/jacobian.h"
 #include "bezier/net.h"
@@ -33,6 +34,7 @@ struct KeyPlane {
 // No scan plane meets a border a = 0 or a = 1 twice; the other two may turn in y, if the piece is not trimmed.
 struct Piece {
   Net net;  // a = the patch's s and b = its t, or the other way round if transposed
+  CentredNet centred;  // the same net; none if nothing is proved of the piece
   const Scene::PatchRef* patch;
   const Region* region;  // null: not trimmed here
   const TrimPortion* portions;
@@ -56,6 +58,8 @@ struct Piece {
 
   // Whether key - c x moves one way along every cut: if c is no slope of key by x there.
   bool key_is_monotone(double c) const { return (shears.lo <= c && c <= shears.hi) == (kind == CutKind::fold); }
+  // Whether points of the centred net are as good as those of the net itself.
+  bool has_accurate_centred_net() const { return centred.error < 2e-9; }  // pixels
   // The face's (u, v) at (a, b), and back.
   void face_from_local(double a, double b, double* u, double* v) const {
     if (transposed) std::swap(a, b);

@@ -47,7 +47,7 @@ void Sections::add_caps(const Scene& scene) {
   const double nowhere = std::numeric_limits<double>::quiet_NaN();
   cap_patch_ = {0, 0, ParameterMap(nowhere, nowhere, false), ParameterMap(nowhere, nowhere, false)};
   const Interval x{-1.0, camera_.width + 1.0}, y{-1.0, camera_.height + 1.0};
-  cap_nets_.reserve(16 * views_.size());
+  cap_nets_.reserve(32 * views_.size());  // of each cap the net and the centred one
   for (std::size_t view = 0; view < views_.size(); ++view) {
     const KeyPlane& plane = views_[view].key_plane;
     double* points = cap_nets_.data() + cap_nets_.size();
@@ -60,6 +60,9 @@ void Sections::add_caps(const Scene& scene) {
       }
     }
     piece.net = {1, 1, points};
+    double* centred = points + 16;
+    cap_nets_.resize(cap_nets_.size() + 16);
+    piece.centred = centre_net(piece.net, 1.0, centred);
     piece.patch = &cap_patch_;
     piece.s1 = piece.t1 = 1.0;
     piece.rising = piece.planar = true;

@@ -29,7 +29,6 @@ constexpr float kCoarseStep = 2e-4f;
 constexpr int kMaxRetries = 8;
 // Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
 constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
-constexpr double kCentredTolerance = 2e-9;  // pixels
 
 // A thread's memory. The functions that use it get it as an argument: a thread's own variables are slow to find.
 struct PixelScratch {
@@ -369,10 +368,9 @@ void SolvePixels(const Camera& camera, const Frame& frame, const Piece& piece, c
   thread_local PixelScratch scratch;
   if (piece.planar) SolvePlanar(view, jobs, count, scratch.batch);
   if (piece.planar && !frame.uv) return;
-  thread_local std::vector<double> storage;
-  const CentredNet centred = centre_net(piece.net, storage);
-  if (centred.error < kCentredTolerance) {
-    for_degrees(piece.net.n, piece.net.m, piece.rational,
+  const CentredNet& centred = piece.centred;
+  if (piece.has_accurate_centred_net()) {
+    for_degrees(centred.n, centred.m, piece.rational,
                 SolveCurved<CentredNet>{view, centred, centred, jobs, count, hard, scratch});
   } else {
     SolveCurved<Net>{view, piece.net, centred, jobs, count, hard, scratch}.template operator()<-1, -1, true>();
