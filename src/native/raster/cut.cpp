@@ -185,8 +185,14 @@ void PieceCutter::split_at_folds(const Piece& piece, const double* y) {
     to_folds_.a[k] = arc.to.a, to_folds_.b[k] = arc.to.b;
   }
   folds_.pad(count), to_folds_.pad(count);
-  jacobians(piece.net, count, folds_);
-  jacobians(piece.net, count, to_folds_);
+  if (piece.has_accurate_centred_net()) {
+    jacobians(piece.centred, count, folds_);
+    jacobians(piece.centred, count, to_folds_);
+  } else {
+    for (std::size_t k = 0; k < count; ++k) {
+      folds_.step[k] = jacobian_at(piece, arcs_[k].from), to_folds_.step[k] = jacobian_at(piece, arcs_[k].to);
+    }
+  }
   fold_arcs_.clear();
   for (std::size_t k = 0; k < count; ++k) {
     const double j0 = folds_.step[k], j1 = to_folds_.step[k];
@@ -202,7 +208,7 @@ void PieceCutter::split_at_folds(const Piece& piece, const double* y) {
   const std::size_t folds = fold_arcs_.size();
   if (folds == 0) return;
   folds_.pad(folds);
-  fold_roots(piece.net, folds, folds_);
+  fold_roots(piece.centred, folds, folds_);
   split_.clear();
   std::size_t next = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -212,7 +218,7 @@ void PieceCutter::split_at_folds(const Piece& piece, const double* y) {
       continue;
     }
     // There is one fold between the ends, so what converged between them is it.
-    const bool found = folds_.step[next] < kRootStep && folds_.a[next] > arc.from.a && folds_.a[next] < arc.to.a;
+    const bool found = piece.has_accurate_centred_net() && folds_.step[next] < kRootStep && folds_.a[next] > arc.from.a && folds_.a[next] < arc.to.a;
     const CutPoint fold = found ? CutPoint{folds_.a[next], folds_.b[next], folds_.x[next], folds_.key[next], true}
                                 : solve_fold(piece, y[arc.plane], arc.from, arc.to);
     split_.push_back({arc.plane, arc.curve, arc.from, fold});

@@ -83,7 +83,7 @@ HWY_INLINE Vec determinant(const Vec p[4], const Vec q[4], const Vec r[4]) {
 }
 
 struct JacobianSigns {
-  const Net& net;
+  const CentredNet& net;
   std::size_t count;
   PlaneRoots& roots;
 
@@ -98,78 +98,63 @@ struct JacobianSigns {
   }
 };
 
-void Jacobians(const Net& net, std::size_t count, PlaneRoots& roots) {
+void Jacobians(const CentredNet& net, std::size_t count, PlaneRoots& roots) {
   for_degrees(net.n, net.m, true, JacobianSigns{net, count, roots});
 }
-
-// Basis with second derivatives, for any degree.
-struct SecondBasis {
-  LaneBasis<-1> first;
-  HWY_ALIGN double second[(kMaxDegree + 1) * 8];
-
-  HWY_INLINE void set(Lanes d, int n, Vec t) {
-    const std::size_t width = hn::Lanes(d);
-    first.set(d, n - 1, t);  // its derivative, differenced once more, is the second derivative of degree n
-    Vec before = hn::Zero(d);
-    const Vec degree = hn::Set(d, double(n));
-    for (int i = 0; i <= n; ++i) {
-      const Vec slope = i < n && n > 1 ? hn::Load(d, first.slope + i * width) : hn::Zero(d);
-      hn::Store(hn::Mul(degree, hn::Sub(before, slope)), d, second + i * width);
-      before = slope;
-    }
-    first.set(d, n, t);
-  }
-};
 
 struct SecondJet {
   Vec p[4], pa[4], pb[4], paa[4], pab[4], pbb[4];
 };
 
-HWY_INLINE void evaluate_second(Lanes d, const Net& net, Vec a, Vec b, SecondBasis& in_a, SecondBasis& in_b,
-                                SecondJet& jet) {
-  const std::size_t width = hn::Lanes(d);
-  in_a.set(d, net.n, a);
-  in_b.set(d, net.m, b);
+// Horner's rule with second derivatives, on positions relative to the net's centre.
+template <int kN, int kM>
+HWY_INLINE void evaluate_second(Lanes d, const CentredNet& net, Vec a, Vec b, SecondJet& jet) {
+  const int n = kN >= 0 ? kN : net.n, m = kM >= 0 ? kM : net.m;
+  const Vec half = hn::Set(d, 0.5), s = hn::Sub(a, half), t = hn::Sub(b, half), zero = hn::Zero(d);
   for (int c = 0; c < 4; ++c) {
-    jet.p[c] = jet.pa[c] = jet.pb[c] = jet.paa[c] = jet.pab[c] = jet.pbb[c] = hn::Zero(d);
-  }
-  const double* point = net.points;
-  for (int i = 0; i <= net.n; ++i) {
-    Vec row[4], slope[4], bend[4];
-    for (int c = 0; c < 4; ++c) row[c] = slope[c] = bend[c] = hn::Zero(d);
-    for (int j = 0; j <= net.m; ++j, point += 4) {
-      const Vec v = in_b.first.value_at(d, j), s = in_b.first.slope_at(d, j);
-      const Vec q = hn::Load(d, in_b.second + j * width);
-      for (int c = 0; c < 4; ++c) {
-        const Vec x = hn::Set(d, point[c]);
-        row[c] = hn::MulAdd(v, x, row[c]);
-        slope[c] = hn::MulAdd(s, x, slope[c]);
-        bend[c] = hn::MulAdd(q, x, bend[c]);
+    const double* row = net.points + 4 * std::size_t(n) * (m + 1) + c;
+    // The second derivatives are halved until the end.
+    Vec p = zero, pa = zero, pb = zero, paa = zero, pab = zero, pbb = zero;
+    for (int i = n; i >= 0; --i, row -= 4 * (m + 1)) {
+      Vec value = hn::Set(d, row[4 * m]), slope = zero, bend = zero;
+      for (int j = m - 1; j >= 0; --j) {
+        bend = hn::MulAdd(bend, t, slope);
+        slope = hn::MulAdd(slope, t, value);
+        value = hn::MulAdd(value, t, hn::Set(d, row[4 * j]));
       }
+      paa = hn::MulAdd(paa, s, pa);
+      pa = hn::MulAdd(pa, s, p);
+      p = hn::MulAdd(p, s, value);
+      pab = hn::MulAdd(pab, s, pb);
+      pb = hn::MulAdd(pb, s, slope);
+      pbb = hn::MulAdd(pbb, s, bend);
     }
-    const Vec v = in_a.first.value_at(d, i), s = in_a.first.slope_at(d, i), q = hn::Load(d, in_a.second + i * width);
-    for (int c = 0; c < 4; ++c) {
-      jet.p[c] = hn::MulAdd(v, row[c], jet.p[c]);
-      jet.pa[c] = hn::MulAdd(s, row[c], jet.pa[c]);
-      jet.paa[c] = hn::MulAdd(q, row[c], jet.paa[c]);
-      jet.pb[c] = hn::MulAdd(v, slope[c], jet.pb[c]);
-      jet.pab[c] = hn::MulAdd(s, slope[c], jet.pab[c]);
-      jet.pbb[c] = hn::MulAdd(v, bend[c], jet.pbb[c]);
-    }
+    jet.p[c] = p, jet.pa[c] = pa, jet.pb[c] = pb;
+    jet.paa[c] = hn::Add(paa, paa), jet.pab[c] = pab, jet.pbb[c] = hn::Add(pbb, pbb);
   }
 }
 
 // Newton's method on (Y - y W, J) = 0, both in homogeneous form.
-void FoldRoots(const Net& net, std::size_t count, PlaneRoots& roots) {
-  const Lanes d;
-  const Vec zero = hn::Zero(d), one = hn::Set(d, 1.0), enough = hn::Set(d, kRootStep);
-  SecondBasis in_a, in_b;
-  for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
-    const Vec y = hn::LoadU(d, roots.y.data() + k);
+struct SolveFolds {
+  const CentredNet& net;
+  std::size_t count;
+  PlaneRoots& roots;
+
+  template <int kN, int kM, bool kRational>
+  HWY_ATTR void operator()() const {
+    const Lanes d;
+    for (std::size_t k = 0; k < count; k += hn::Lanes(d)) solve<kN, kM>(d, k);
+  }
+
+ private:
+  template <int kN, int kM>
+  HWY_INLINE void solve(Lanes d, std::size_t k) const {
+    const Vec zero = hn::Zero(d), one = hn::Set(d, 1.0), enough = hn::Set(d, kRootStep);
+    const Vec y = hn::Sub(hn::LoadU(d, roots.y.data() + k), hn::Set(d, net.y));
     Vec a = hn::LoadU(d, roots.a.data() + k), b = hn::LoadU(d, roots.b.data() + k);
     for (int iteration = 1;; ++iteration) {
       SecondJet jet;
-      evaluate_second(d, net, a, b, in_a, in_b, jet);
+      evaluate_second<kN, kM>(d, net, a, b, jet);
       const Vec f = hn::NegMulAdd(y, jet.p[kW], jet.p[kY]);
       const Vec fa = hn::NegMulAdd(y, jet.pa[kW], jet.pa[kY]), fb = hn::NegMulAdd(y, jet.pb[kW], jet.pb[kY]);
       const Vec j = determinant(jet.p, jet.pa, jet.pb);
@@ -192,12 +177,16 @@ void FoldRoots(const Net& net, std::size_t count, PlaneRoots& roots) {
       const Vec w = hn::Div(one, moved(kW));
       hn::StoreU(next_a, d, roots.a.data() + k);
       hn::StoreU(next_b, d, roots.b.data() + k);
-      hn::StoreU(hn::Mul(moved(kX), w), d, roots.x.data() + k);
-      hn::StoreU(hn::Mul(moved(kZ), w), d, roots.key.data() + k);
+      hn::StoreU(hn::MulAdd(moved(kX), w, hn::Set(d, net.x)), d, roots.x.data() + k);
+      hn::StoreU(hn::MulAdd(moved(kZ), w, hn::Set(d, net.key)), d, roots.key.data() + k);
       hn::StoreU(size, d, roots.step.data() + k);
       break;
     }
   }
+};
+
+void FoldRoots(const CentredNet& net, std::size_t count, PlaneRoots& roots) {
+  for_degrees(net.n, net.m, true, SolveFolds{net, count, roots});
 }
 
 }  // namespace
@@ -226,11 +215,11 @@ void border_roots(const double* points, std::size_t stride, int degree, std::siz
   HWY_DYNAMIC_DISPATCH(BorderRoots)(points, stride, degree, count, roots);
 }
 
-void jacobians(const Net& net, std::size_t count, PlaneRoots& roots) {
+void jacobians(const CentredNet& net, std::size_t count, PlaneRoots& roots) {
   HWY_DYNAMIC_DISPATCH(Jacobians)(net, count, roots);
 }
 
-void fold_roots(const Net& net, std::size_t count, PlaneRoots& roots) {
+void fold_roots(const CentredNet& net, std::size_t count, PlaneRoots& roots) {
   HWY_DYNAMIC_DISPATCH(FoldRoots)(net, count, roots);
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "bezier/net.h"
+#include "bezier/centred_net.h"
 
 namespace nofacet {
 
@@ -26,9 +26,9 @@ inline constexpr double kRootStep = 1e-8;
 void border_roots(const double* points, std::size_t stride, int degree, std::size_t count, PlaneRoots& roots);
 
 // The screen Jacobian's sign at (roots.a, roots.b), into roots.step: its value times W^3, for the sign only.
-void jacobians(const Net& net, std::size_t count, PlaneRoots& roots);
+void jacobians(const CentredNet& net, std::size_t count, PlaneRoots& roots);
 
 // Where the Jacobian vanishes along the cuts by the planes, from the guesses (roots.a, roots.b).
-void fold_roots(const Net& net, std::size_t count, PlaneRoots& roots);
+void fold_roots(const CentredNet& net, std::size_t count, PlaneRoots& roots);
 
 }  // namespace nofacet

@@ -238,8 +238,8 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
 
 // Solves both spans at several x and compares them from one to the next.
 bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, double x1) {
-  constexpr int kLast = SpanKeys::kCount - 1;
-  double x[SpanKeys::kCount];
+  constexpr int kCount = 4, kLast = kCount - 1;
+  double x[kCount];
   const bool from_fold = (fresh.fold0 && x0 <= fresh.x0) || (old.fold0 && x0 <= old.x0);
   const bool to_fold = (fresh.fold1 && x1 >= fresh.x1) || (old.fold1 && x1 >= old.x1);
   for (int k = 0; k <= kLast; ++k) {
@@ -249,8 +249,8 @@ bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, d
   }
   x[kLast] = x1;
   SpanKeys f, o;
-  keys_at(fresh, x, &f);
-  keys_at(old, x, &o);
+  keys_at(fresh, x, kCount, &f);
+  keys_at(old, x, kCount, &o);
   const auto between = [](const Span& span, const SpanKeys& keys, int k) {
     if (span.piece->planar) {
       return Interval{std::min(keys.key[k], keys.key[k + 1]), std::max(keys.key[k], keys.key[k + 1])};
@@ -300,14 +300,14 @@ bool Visibility::cross(const Span& fresh, const Span& old, KeyDifference left, K
 // end.
 Visibility::KeyDifference Visibility::leave_touch(const Span& fresh, const Span& old, double end, KeyDifference* far,
                                                   double tie) const {
-  constexpr int kCount = SpanKeys::kCount;
+  constexpr int kCount = SpanKeys::kMost;
   const bool ascending = end < far->x;
   const auto index = [&](int step) { return ascending ? kCount - 1 - step : step; };
   double x[kCount], distance = far->x - end;
   for (int step = 0; step < kCount; ++step) x[index(step)] = end + (distance *= 0.25);
   SpanKeys f, o;
-  keys_at(fresh, x, &f);
-  keys_at(old, x, &o);
+  keys_at(fresh, x, kCount, &f);
+  keys_at(old, x, kCount, &o);
   for (int step = 0; step < kCount; ++step) {
     const int k = index(step);
     const KeyDifference next{x[k], f.key[k] - o.key[k]};

@@ -63,11 +63,11 @@ double key_at(const Span& span, double x, double* a);
 
 // The same at several x at once, ascending.
 struct SpanKeys {
-  static constexpr int kCount = 8;
+  static constexpr int kMost = 8;
 
-  double a[kCount], key[kCount];
+  double a[kMost], key[kMost];
 };
-void keys_at(const Span& span, const double x[SpanKeys::kCount], SpanKeys* out);
+void keys_at(const Span& span, const double* x, int count, SpanKeys* out);
 // A last Newton step below this leaves an error of its square.
 inline constexpr double kSpanKeyStep = 1e-7;
 
