@@ -7,39 +7,33 @@
 #include "raster/shade.h"
 
 namespace nofacet {
-namespace {
-
-auto first_after(const std::vector<VisibleSegment>& segments, double x) {
-  return std::upper_bound(segments.begin(), segments.end(), x,
-                          [](double value, const VisibleSegment& s) { return value < s.x1; });
-}
-
-}  // namespace
-
 RowAverage::RowAverage(const Scene& scene, const Camera& camera, const Frame& frame, Visibility& visibility)
     : scene_(scene), camera_(camera), frame_(frame), visibility_(visibility), mixed_(frame.width) {}
 
 void RowAverage::average(int row, const std::vector<VisibleSegment>& front, const std::vector<WeightedLine>& lines) {
-  front_ = &front;
   row_rgb_ = frame_.color ? frame_.color + 4 * std::size_t(row) * frame_.width : nullptr;
   before_px_ = -1;
   find_runs(front);
   std::fill(mixed_.begin(), mixed_.end(), 0);
-  for (const WeightedLine& weighted : lines) find_mixed(*weighted.line);
+  if (stretches_.size() < lines.size()) stretches_.resize(lines.size());
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    find_stretches(*lines[k].line, stretches_[k]);
+    find_mixed(*lines[k].line, stretches_[k]);
+  }
   find_veils(lines);
   cursors_.assign(lines.size(), 0);
   const std::size_t start = std::size_t(row) * frame_.width;
   for (const FaceRun& run : runs_) {
     if (frame_.coverage) std::fill_n(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
   }
-  for (const FaceRun& run : runs_) {
+  for (std::size_t k = 0; k < runs_.size(); ++k) {
+    const FaceRun& run = runs_[k];
     for (int px = run.first; px < run.last; ++px) {
       // Most pixels are not mixed: skip to the next one that is.
       const void* next = std::memchr(mixed_.data() + px, 1, run.last - px);
       if (!next) break;
       px = int(static_cast<const uint8_t*>(next) - mixed_.data());
-      centre_face_ = run.face;
-      average_pixel(row, px, lines);
+      average_pixel(row, px, k, lines);
     }
   }
 }
@@ -65,8 +59,21 @@ void RowAverage::find_runs(const std::vector<VisibleSegment>& front) {
   add(next, frame_.width, -1);
 }
 
+void RowAverage::find_stretches(const ScanLine& line, std::vector<Stretch>& out) const {
+  out.clear();
+  for (std::size_t k = 0; k < line.segments.size(); ++k) {
+    const VisibleSegment& segment = line.segments[k];
+    const int32_t face = segment.span->piece->face;
+    if (!out.empty() && out.back().face == face && segment.x0 <= out.back().x1 + kSliverPixels) {
+      out.back().x1 = segment.x1;
+    } else {
+      out.push_back({segment.x0, segment.x1, face, k});
+    }
+  }
+}
+
 // Marks the pixels that the line does not show as their centres do.
-void RowAverage::find_mixed(const ScanLine& line) {
+void RowAverage::find_mixed(const ScanLine& line, const std::vector<Stretch>& stretches) {
   std::size_t run = 0;
   // What the line shows between x0 and x1.
   const auto compare = [&](double x0, double x1, int32_t face) {
@@ -80,19 +87,10 @@ void RowAverage::find_mixed(const ScanLine& line) {
     }
   };
   double x = 0.0;
-  for (std::size_t k = 0; k < line.segments.size();) {
-    const int32_t face = line.segments[k].span->piece->face;
-    const double x0 = line.segments[k].x0;
-    double x1 = line.segments[k].x1;
-    // Neighbours on one face meet but for rounding.
-    for (++k; k < line.segments.size() && line.segments[k].span->piece->face == face &&
-              line.segments[k].x0 <= x1 + kSliverPixels;
-         ++k) {
-      x1 = line.segments[k].x1;
-    }
-    if (x < x0) compare(x, x0, -1);
-    compare(x0, x1, face);
-    x = x1;
+  for (const Stretch& stretch : stretches) {
+    if (x < stretch.x0) compare(x, stretch.x0, -1);
+    compare(stretch.x0, stretch.x1, stretch.face);
+    x = stretch.x1;
   }
   if (x < frame_.width) compare(x, frame_.width, -1);
   for (const Span* span : line.transparent) {
@@ -114,15 +112,16 @@ void RowAverage::find_veils(const std::vector<WeightedLine>& lines) {
   }
 }
 
-void RowAverage::average_pixel(int row, int px, const std::vector<WeightedLine>& lines) {
+void RowAverage::average_pixel(int row, int px, std::size_t run, const std::vector<WeightedLine>& lines) {
   const std::size_t at = std::size_t(row) * frame_.width + px;
-  px_ = px;
+  px_ = px, run_ = run;
+  centre_face_ = runs_[run].face;
   if (frame_.color) std::copy_n(frame_.color + 4 * at, 3, centre_rgb_);
   rgb_[0] = rgb_[1] = rgb_[2] = alpha_ = coverage_ = 0.0;
-  piece_colors_.clear();
+  face_colors_.clear();
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (veils_[k].empty()) {
-      add_opaque(lines[k], cursors_[k], px);
+      add_opaque(lines[k], stretches_[k], cursors_[k], px);
     } else {
       add_layers(*lines[k].line, veils_[k], px, lines[k].weight);
     }
@@ -135,10 +134,10 @@ void RowAverage::average_pixel(int row, int px, const std::vector<WeightedLine>&
   std::copy_n(centre_rgb_, 3, before_rgb_);
 }
 
-void RowAverage::add_opaque(const WeightedLine& weighted, std::size_t& cursor, int px) {
-  const std::vector<VisibleSegment>& segments = weighted.line->segments;
-  while (cursor < segments.size() && segments[cursor].x1 <= px) ++cursor;
-  for (auto it = segments.begin() + cursor; it != segments.end() && it->x0 < px + 1.0; ++it) {
+void RowAverage::add_opaque(const WeightedLine& weighted, const std::vector<Stretch>& stretches, std::size_t& cursor,
+                            int px) {
+  while (cursor < stretches.size() && stretches[cursor].x1 <= px) ++cursor;
+  for (auto it = stretches.begin() + cursor; it != stretches.end() && it->x0 < px + 1.0; ++it) {
     const double from = std::max(it->x0, double(px)), to = std::min(it->x1, px + 1.0);
     if (!(from < to)) continue;
     const double area = weighted.weight * (to - from);
@@ -146,7 +145,7 @@ void RowAverage::add_opaque(const WeightedLine& weighted, std::size_t& cursor, i
     alpha_ += area;
     if (!frame_.color) continue;
     float rgb[3];
-    fragment_color(*it->span, 0.5 * (from + to), rgb);
+    stretch_color(*weighted.line, *it, 0.5 * (from + to), rgb);
     for (int c = 0; c < 3; ++c) rgb_[c] += area * rgb[c];
   }
 }
@@ -190,45 +189,54 @@ void RowAverage::add_stack(double from, double to, double weight) {
   alpha_ += area - light;
 }
 
-// `rgb` if the pixel's centre shows the piece, else null.
-const float* RowAverage::neighbour_color(const Piece& piece, int px, const float* rgb) const {
-  if (px < 0 || px >= frame_.width) return nullptr;
-  const double centre = px + 0.5 + kSampleShiftX;
-  const auto segment = first_after(*front_, centre);
-  return segment != front_->end() && segment->x0 <= centre && segment->span->piece == &piece ? rgb : nullptr;
+// The shade varies little from one pixel to the next on one surface: an opaque face has, all over the pixel, that of a
+// centre in reach to which it runs on without a border, else that of the middle x of its first part in the pixel.
+void RowAverage::stretch_color(const ScanLine& line, const Stretch& stretch, double x, float rgb[3]) {
+  const float* found = known_color(stretch.face);
+  if (!found) found = neighbour_color(stretch);
+  if (found) {
+    std::copy_n(found, 3, rgb);
+    return;
+  }
+  std::size_t k = stretch.first;
+  while (line.segments[k].x1 < x) ++k;
+  fragment_color(*line.segments[k].span, x, rgb);
 }
 
-// What the pixel's centre, or that of a neighbour in the row, shows of the piece; null if none does.
-const float* RowAverage::centre_color(const Piece& piece) const {
-  if (centre_face_ == piece.face) return centre_rgb_;
-  const float* before = before_px_ == px_ - 1 ? before_rgb_ : row_rgb_ + 4 * (px_ - 1);
-  if (const float* found = neighbour_color(piece, px_ - 1, before)) return found;
-  return neighbour_color(piece, px_ + 1, row_rgb_ + 4 * (px_ + 1));
+// What is known of the face in this pixel; null if nothing is.
+const float* RowAverage::known_color(int32_t face) const {
+  if (centre_face_ == face) return centre_rgb_;
+  for (const FaceColor& known : face_colors_) {
+    if (known.face == face) return known.rgb;
+  }
+  return nullptr;
 }
 
-// The shade varies little from one pixel to the next on one piece: an opaque one has the shade of a centre in reach
-// that shows it, else of its first fragment in the pixel (a transparent face may show its front and its back in one
-// pixel).
+// What a neighbour's centre in the row shows of the stretch; null if neither shows it.
+const float* RowAverage::neighbour_color(const Stretch& stretch) const {
+  const auto shows = [&](int px) {
+    if (px < 0 || px >= frame_.width) return false;
+    const std::size_t run = px < runs_[run_].first ? run_ - 1 : px >= runs_[run_].last ? run_ + 1 : run_;
+    const double centre = px + 0.5 + kSampleShiftX;
+    return runs_[run].face == stretch.face && stretch.x0 <= centre && centre <= stretch.x1;
+  };
+  if (shows(px_ - 1)) return before_px_ == px_ - 1 ? before_rgb_ : row_rgb_ + 4 * (px_ - 1);
+  return shows(px_ + 1) ? row_rgb_ + 4 * (px_ + 1) : nullptr;
+}
+
+// The shade of the span at x; of an opaque face what is known of it in the pixel.
 void RowAverage::fragment_color(const Span& span, double x, float rgb[3]) {
   const Piece& piece = *span.piece;
   const float* color = scene_.color(piece.face);
   const bool opaque = color[3] >= 1.0f;
-  if (opaque) {
-    for (const PieceColor& known : piece_colors_) {
-      if (known.piece == &piece) return void(std::copy_n(known.rgb, 3, rgb));
-    }
-  }
-  if (const float* found = opaque ? centre_color(piece) : nullptr) {
-    std::copy_n(found, 3, rgb);
-  } else {
-    const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
-    SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
-    solve_sample(span, x, span.y, &sample);
-    double n[3];
-    surface_normal(scene_, piece, camera_, sample, n);
-    shade(camera_, sample, n, color, rgb);
-  }
-  if (opaque) piece_colors_.push_back({&piece, {rgb[0], rgb[1], rgb[2]}});
+  if (const float* found = opaque ? known_color(piece.face) : nullptr) return void(std::copy_n(found, 3, rgb));
+  const double fraction = std::clamp((x - span.x0) / (span.x1 - span.x0), 0.0, 1.0);
+  SurfaceSample sample{span.a0 + fraction * (span.a1 - span.a0), span.b0 + fraction * (span.b1 - span.b0), {}};
+  solve_sample(span, x, span.y, &sample);
+  double n[3];
+  surface_normal(scene_, piece, camera_, sample, n);
+  shade(camera_, sample, n, color, rgb);
+  if (opaque) face_colors_.push_back({piece.face, {rgb[0], rgb[1], rgb[2]}});
 }
 
 }  // namespace nofacet

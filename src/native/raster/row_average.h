@@ -29,18 +29,26 @@ class RowAverage {
     int first, last;
     int32_t face;
   };
+  // Segments of one face that meet, but for rounding: from `first` of their line on.
+  struct Stretch {
+    double x0, x1;
+    int32_t face;
+    std::size_t first;
+  };
 
   void find_runs(const std::vector<VisibleSegment>& front);
-  void find_mixed(const ScanLine& line);
+  void find_stretches(const ScanLine& line, std::vector<Stretch>& out) const;
+  void find_mixed(const ScanLine& line, const std::vector<Stretch>& stretches);
   void mark(int first, int last);
   void find_veils(const std::vector<WeightedLine>& lines);
-  void average_pixel(int row, int px, const std::vector<WeightedLine>& lines);
-  void add_opaque(const WeightedLine& weighted, std::size_t& cursor, int px);
+  void average_pixel(int row, int px, std::size_t run, const std::vector<WeightedLine>& lines);
+  void add_opaque(const WeightedLine& weighted, const std::vector<Stretch>& stretches, std::size_t& cursor, int px);
   void add_layers(const ScanLine& line, const std::vector<VisibleSegment>& veils, int px, double weight);
   void add_stack(double from, double to, double weight);
+  void stretch_color(const ScanLine& line, const Stretch& stretch, double x, float rgb[3]);
+  const float* known_color(int32_t face) const;
+  const float* neighbour_color(const Stretch& stretch) const;
   void fragment_color(const Span& span, double x, float rgb[3]);
-  const float* centre_color(const Piece& piece) const;
-  const float* neighbour_color(const Piece& piece, int px, const float* rgb) const;
 
   const Scene& scene_;
   const Camera& camera_;
@@ -48,22 +56,23 @@ class RowAverage {
   Visibility& visibility_;
 
   std::vector<FaceRun> runs_;
-  std::vector<std::size_t> cursors_;  // of each line: the first segment that reaches into the pixel, or beyond
+  std::vector<std::vector<Stretch>> stretches_;  // of each line
+  std::vector<std::size_t> cursors_;             // of each line: the first stretch that reaches into the pixel, or beyond
   std::vector<uint8_t> mixed_;        // (width,)
   std::vector<std::vector<VisibleSegment>> veils_;  // of each line: transparent faces before the opaque ones
   // Of the pixel being averaged.
   int32_t centre_face_ = -1;
   int px_ = 0;
+  std::size_t run_ = 0;  // that it is in
   float centre_rgb_[3];
-  const std::vector<VisibleSegment>* front_ = nullptr;
   const float* row_rgb_ = nullptr;  // of the frame; from the pixel on, what centres show
   int before_px_ = -1;              // the pixel averaged before this one, and what its centre showed
   float before_rgb_[3];
-  struct PieceColor {
-    const Piece* piece;
+  struct FaceColor {
+    int32_t face;
     float rgb[3];
   };
-  std::vector<PieceColor> piece_colors_;  // of the opaque pieces in it so far
+  std::vector<FaceColor> face_colors_;  // of the opaque faces in it so far
   double rgb_[3], alpha_, coverage_;
   std::vector<VisibleSegment> stack_;  // the segments and veils in it
   std::vector<double> borders_;        // their ends
