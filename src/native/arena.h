@@ -24,6 +24,8 @@ class Arena {
     used_ += count;
     return result;
   }
+  // Takes back the last `count` of what was taken last.
+  void give_back(std::size_t count) { used_ -= count; }
   // Forgets what was taken and keeps the memory.
   void reuse() { block_ = used_ = 0; }
 

@@ -18,8 +18,8 @@ Outline outline(const Scene& scene, const Camera& camera) {
   for (std::size_t k = 0; k < patches.patches().size(); ++k) {
     const auto [begin, end] = patches.pieces(int32_t(k), 0);
     for (const Piece* piece = begin; piece != end; ++piece) {
-      const auto first = std::lower_bound(y.begin(), y.end(), piece->y.lo);
-      const auto last = std::upper_bound(first, y.end(), piece->y.hi);
+      const auto first = std::lower_bound(y.begin(), y.end(), piece->hull.y.lo);
+      const auto last = std::upper_bound(first, y.end(), piece->hull.y.hi);
       spans.clear();
       maker.append(*piece, y.data() + (first - y.begin()), int(last - first), int(first - y.begin()), camera.width,
                    spans);

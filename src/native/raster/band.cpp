@@ -41,7 +41,7 @@ BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPla
       frame_(frame),
       visibility_(camera, patches.depth_tie()),
       average_(scene, camera, frame, visibility_),
-      hidden_test_([this](Interval x, Interval y, double nearest) { return hidden(x, y, nearest); }) {
+      hidden_test_([this](const HullBounds& hull) { return hidden(hull); }) {
   if (sections) cuts_.emplace(scene, *sections, thread);
 }
 
@@ -57,7 +57,7 @@ void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& 
   if (!frame_.color && !frame_.coverage) return;
   for (int row = first_row; row < end_row; ++row) {
     weigh_planes(row);
-    average_.average(row, planes_.centre() ? front(row) : row_lines_[1]->segments, weighted_);
+    average_.average(row, (planes_.centre() ? front(row) : *row_lines_[1]).segments, weighted_);
   }
   watch_.lap(times_.average);
 }
@@ -106,7 +106,7 @@ void BandPainter::cut_patches() {
   for (std::size_t k = 0; k < band_patches_->size(); ++k) {
     const int32_t index = (*band_patches_)[k];
     const PlacedPatch& patch = patches_.patches()[index];
-    if (hidden(patch.x, patch.y, patch.key.lo)) continue;
+    if (hidden(patch.hull)) continue;
     watch_.lap(times_.visibility);
     const auto [piece, end] = patches_.pieces(index, thread_, &hidden_test_, std::span(*band_patches_).subspan(k + 1));
     watch_.lap(times_.subdivide);
@@ -115,9 +115,9 @@ void BandPainter::cut_patches() {
 }
 
 void BandPainter::cut_piece(const Piece& piece, bool sectioned) {
-  auto [first, last] = planes_in(piece.y);
-  while (first < last && hidden(piece.x, piece.key.lo, first)) ++first;
-  while (first < last && hidden(piece.x, piece.key.lo, last - 1)) --last;
+  auto [first, last] = planes_in(piece.hull.y);
+  while (first < last && hidden(piece.hull, lines_[first])) ++first;
+  while (first < last && hidden(piece.hull, lines_[last - 1])) --last;
   if (first == last) return;
   watch_.lap(times_.visibility);
   made_.clear();
@@ -143,19 +143,18 @@ std::pair<int, int> BandPainter::planes_in(Interval y) const {
   return {int(first - plane_y_.begin()), int(last - plane_y_.begin())};
 }
 
-// Whether the plane shows something nearer all over the range of x.
-bool BandPainter::hidden(Interval x, double nearest, int plane) const {
-  const double x0 = std::max(x.lo, 0.0), x1 = std::min(x.hi, double(camera_.width));
-  return lines_[plane].hides(x0, x1, nearest - visibility_.tie(nearest));
+// Whether the plane shows something nearer wherever it may meet what lies within these bounds.
+bool BandPainter::hidden(const HullBounds& hull, const ScanLine& line) const {
+  const Interval x = intersect(hull.x_at(line.y), {0.0, double(camera_.width)});
+  const KeyLine near{hull.plane.key(0.0, line.y) - hull.plane.error, hull.plane.by_x};
+  return line.hides(x, hull.key.lo, near, visibility_.tie(hull.key.lo));
 }
 
-// Whether all planes that lie in y do.
-bool BandPainter::hidden(Interval x, Interval y, double nearest) const {
-  const auto [first, last] = planes_in(y);
-  for (int plane = first; plane < last; ++plane) {
-    if (!hidden(x, nearest, plane)) return false;
-  }
-  return true;
+// Whether all of the band's planes do.
+bool BandPainter::hidden(const HullBounds& hull) const {
+  const auto [first, last] = planes_in(hull.y);
+  return std::all_of(lines_.begin() + first, lines_.begin() + last,
+                     [&](const ScanLine& line) { return hidden(hull, line); });
 }
 
 // Hands the spans just made to their lines.
@@ -165,23 +164,22 @@ void BandPainter::insert_spans(const Piece& piece, ScanLine* lines) {
   for (Span& span : made_) {
     span.order = order_;
     ScanLine& line = lines[span.plane];
-    if (opaque && visibility_.hidden(span, line.segments)) continue;
     Span* kept = spans_.take(1);
     *kept = span;
-    if (opaque) {
-      visibility_.insert(*kept, line.segments);
-    } else {
+    if (!opaque) {
       line.transparent.push_back(kept);
+    } else if (!visibility_.insert(*kept, line)) {
+      spans_.give_back(1);
     }
   }
   ++order_;
 }
 
 // What is visible at the row's centre plane, transparent or not.
-const std::vector<VisibleSegment>& BandPainter::front(int row) {
+const ScanLine& BandPainter::front(int row) {
   const ScanLine& line = lines_[centre_plane(row)];
-  if (line.transparent.empty()) return line.segments;
-  front_ = line.segments;
+  if (line.transparent.empty()) return line;
+  front_ = line;
   for (const Span* span : line.transparent) visibility_.insert(*span, front_);
   return front_;
 }
@@ -206,7 +204,7 @@ void BandPainter::solve_values() {
 
 void BandPainter::collect_jobs(int row) {
   int next = 0;
-  for (const VisibleSegment& segment : front(row)) {
+  for (const VisibleSegment& segment : front(row).segments) {
     const int first = first_pixel(segment.x0, frame_.width), last = first_pixel(segment.x1, frame_.width);
     if (first >= last) continue;
     fill_background(row, next, first);
@@ -276,15 +274,12 @@ const ScanLine& BandPainter::cut_level(double y) {
   ScanLine& line = level_lines_[level_count_++];
   line.clear(y);
   if (cuts_) insert_caps(&y, 1, &line);
-  const auto hides = [&](Interval x, double nearest) {
-    return line.hides(std::max(x.lo, 0.0), std::min(x.hi, double(camera_.width)), nearest - visibility_.tie(nearest));
-  };
   for (const int32_t index : *band_patches_) {
     const PlacedPatch& patch = patches_.patches()[index];
-    if (!(patch.y.lo <= y && y <= patch.y.hi) || hides(patch.x, patch.key.lo)) continue;
+    if (!(patch.hull.y.lo <= y && y <= patch.hull.y.hi) || hidden(patch.hull, line)) continue;
     const auto [piece, end] = patches_.pieces(index, thread_);
     for (const Piece* p = piece; p != end; ++p) {
-      if (!(p->y.lo <= y && y <= p->y.hi) || hides(p->x, p->key.lo)) continue;
+      if (!(p->hull.y.lo <= y && y <= p->hull.y.hi) || hidden(p->hull, line)) continue;
       made_.clear();
       maker_.append(*p, &y, 1, 0, camera_.width, made_);
       if (patch.cut) cuts_->remove(*p, made_);

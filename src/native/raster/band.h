@@ -40,13 +40,13 @@ class BandPainter {
   void cut_patches();
   void cut_piece(const Piece& piece, bool sectioned);
   void insert_caps(const double* y, int count, ScanLine* lines);
-  bool hidden(Interval x, double nearest, int plane) const;
-  bool hidden(Interval x, Interval y, double nearest) const;
+  bool hidden(const HullBounds& hull, const ScanLine& line) const;
+  bool hidden(const HullBounds& hull) const;
   std::pair<int, int> planes_in(Interval y) const;
   void insert_spans(const Piece& piece, ScanLine* lines);
 
   void solve_values();
-  const std::vector<VisibleSegment>& front(int row);
+  const ScanLine& front(int row);
   void collect_jobs(int row);
   void fill_background(int row, int first, int last) const;
 
@@ -75,7 +75,7 @@ class BandPainter {
   Arena<Span> spans_;
   std::vector<Span> made_;
   int32_t order_ = 0;  // of the next piece inserted
-  std::vector<VisibleSegment> front_;
+  ScanLine front_;
 
   std::vector<PixelJob> jobs_, sorted_;
   std::vector<HardPixel> hard_;

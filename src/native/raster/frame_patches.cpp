@@ -20,14 +20,16 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
   out->one_band = false;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) out->before_eye &= p[kW] > 0;
   if (!out->before_eye) {
-    out->x = out->y = out->key = {-INFINITY, INFINITY};
+    const Interval all{-INFINITY, INFINITY};
+    out->hull = {all, all, all, {-INFINITY, 0.0, 0.0, 0.0}, 0.0, all};
     return true;
   }
-  out->x = hull_range(net, kX, kW);
-  out->y = hull_range(net, kY, kW);
-  out->key = hull_range(net, kZ, kW);
-  out->one_band = !planes.locates_level_edges() && planes.band_of(out->y.lo) == planes.band_of(out->y.hi);
-  return planes.any_in(out->y.lo, out->y.hi);
+  const ComponentRanges range = ratio_ranges(net);
+  const Interval y = range[kY];
+  if (!planes.any_in(y.lo, y.hi)) return false;
+  out->hull = hull_bounds(net, range[kX], y, range[kZ]);
+  out->one_band = !planes.locates_level_edges() && planes.band_of(y.lo) == planes.band_of(y.hi);
+  return true;
 }
 
 }  // namespace
@@ -35,8 +37,8 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
 std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>& patches, const ScanPlanes& planes) {
   std::vector<std::vector<int32_t>> result(planes.bands());
   for (std::size_t k = 0; k < patches.size(); ++k) {
-    const int last = planes.band_of(patches[k].y.hi + 1.0);
-    for (int band = planes.band_of(patches[k].y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
+    const int last = planes.band_of(patches[k].hull.y.hi + 1.0);
+    for (int band = planes.band_of(patches[k].hull.y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
   }
   return result;
 }
@@ -46,7 +48,7 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
   place(scene, camera, planes, threads, sections);
   Interval depth = Interval::empty();
   for (const PlacedPatch& placed : patches_) {
-    if (placed.before_eye) depth.include(camera.depth(placed.key.lo)), depth.include(camera.depth(placed.key.hi));
+    if (placed.before_eye) depth.include(camera.depth(placed.hull.key.lo)), depth.include(camera.depth(placed.hull.key.hi));
   }
   if (depth.lo <= depth.hi) depth_tie_ = 1e-11 * depth.magnitude() + 1e-10 * depth.width();
   sort_by_key();
@@ -60,7 +62,7 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   for (std::size_t face = 0; face < scene.model.face_count; ++face) {
     const int32_t d = scene.model.face_definition[face];
     for (std::size_t k = scene.patch_offsets[d]; k < scene.patch_offsets[d + 1]; ++k) {
-      all.push_back({int32_t(face), &scene.patches[k], {}, {}, {}, false, false, false});
+      all.push_back({int32_t(face), &scene.patches[k], {}, false, false, false});
     }
   }
   std::vector<uint8_t> shown(all.size());
@@ -81,7 +83,7 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
 void FramePatches::sort_by_key() {
   std::vector<std::pair<double, int32_t>> order;
   order.reserve(patches_.size());
-  for (const PlacedPatch& patch : patches_) order.emplace_back(patch.key.lo, int32_t(order.size()));
+  for (const PlacedPatch& patch : patches_) order.emplace_back(patch.hull.key.lo, int32_t(order.size()));
   std::sort(order.begin(), order.end());
   std::vector<PlacedPatch> sorted;
   sorted.reserve(patches_.size());

@@ -14,8 +14,7 @@ namespace nofacet {
 struct PlacedPatch {
   int32_t face;
   const Scene::PatchRef* patch;
-  Interval x, y;     // pixels
-  Interval key;      // depth key
+  HullBounds hull;
   bool before_eye;   // all of it; else the bounds are infinite
   bool one_band;     // the planes that may meet it are all of one band
   bool cut = false;  // a section plane may run through it

@@ -177,7 +177,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
   const Interval x = range[kX], y = range[kY];
   if (!distorted) {
     if (x.hi < 0 || x.lo > camera_.width || !planes_.any_in(y.lo, y.hi)) return;
-    if (hidden_ && (*hidden_)(x, y, range[kZ].lo)) return;
+    if (hidden_ && (*hidden_)(hull_bounds(net, x, y, range[kZ]))) return;
   }
 
   // The trim arcs that still run through the piece; without any it is inside or outside as a whole.
@@ -224,8 +224,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
     if (narrow && low) {
       Piece piece{};
       piece.kind = CutKind::uncertain;
-      piece.x = x;
-      piece.y = y;
+      piece.hull = {x, y, range[kZ], {range[kZ].mid(), 0.0, 0.0, 0.5 * range[kZ].width()}, 0.0, x};
       emit(piece, net, box, arcs);
       return;
     }
@@ -298,32 +297,6 @@ double pixels_per_key(const Camera& camera, Interval key) {
   return camera.perspective ? camera.scale / key.mignitude() : camera.scale;
 }
 
-// The plane through the mean directions of the net, with the hull's distance from it. If the piece is too curved, or
-// edge-on, a plane of constant key is better.
-KeyPlane fit_key_plane(const Net& net, Interval key) {
-  const auto at = [&](int i, int j, Component c) {
-    const double* p = net.at(i, j);
-    return p[c] / p[kW];
-  };
-  const auto mean_a = [&](Component c) {
-    return at(net.n, 0, c) - at(0, 0, c) + at(net.n, net.m, c) - at(0, net.m, c);
-  };
-  const auto mean_b = [&](Component c) {
-    return at(0, net.m, c) - at(0, 0, c) + at(net.n, net.m, c) - at(net.n, 0, c);
-  };
-  const double xa = mean_a(kX), ya = mean_a(kY), ka = mean_a(kZ), xb = mean_b(kX), yb = mean_b(kY), kb = mean_b(kZ);
-  const double determinant = xa * yb - xb * ya;
-  KeyPlane plane = {key.mid(), 0.0, 0.0, 0.5 * key.width()};
-  const double by_x = (ka * yb - kb * ya) / determinant, by_y = (kb * xa - ka * xb) / determinant;
-  if (!std::isfinite(by_x) || !std::isfinite(by_y)) return plane;
-  Interval rest = Interval::empty();
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
-    rest.include((p[kZ] - by_x * p[kX] - by_y * p[kY]) / p[kW]);
-  }
-  if (0.5 * rest.width() < plane.error) plane = {rest.mid(), by_x, by_y, 0.5 * rest.width()};
-  return plane;
-}
-
 }  // namespace
 
 // A large plane is one piece, however large.
@@ -372,13 +345,10 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
                             const Box& box, Piece* piece) const {
   piece->kind = certificate.kind;
   piece->transposed = certificate.transposed;
-  piece->x = bounds.x.f;
-  piece->y = bounds.y.f;
 
   const QuotientBounds y = piece->transposed ? transposed_bounds(bounds.y) : bounds.y;
   const QuotientBounds key = piece->transposed ? transposed_bounds(bounds.key) : bounds.key;
   piece->rising = y.fb.positive();
-  piece->key = key.f;
   const QuotientBounds x = piece->transposed ? transposed_bounds(bounds.x) : bounds.x;
   piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
   if (node.key_jacobian.coefficients) {
@@ -399,8 +369,8 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   const double key_pixels = pixels_per_key(camera_, key.f);
   piece->bend = std::max({bounds.x_remainder, bounds.y_remainder, bounds.key_remainder * key_pixels});
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;
-  piece->key_plane = fit_key_plane(net, key.f);
-  piece->planar = piece->key_plane.error * key_pixels < kNegligiblePixels;
+  piece->hull = hull_bounds(net, bounds.x.f, bounds.y.f, bounds.key.f);
+  piece->planar = piece->hull.plane.error * key_pixels < kNegligiblePixels;
 }
 
 // Stores a certified piece with the turns of the borders along its cuts. A trimmed one is cut at them instead: then no
@@ -461,10 +431,8 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   piece.patch = patch_;
   piece.face = face_;
   piece.s0 = box.s0, piece.s1 = box.s1, piece.t0 = box.t0, piece.t1 = box.t1;
-  if (piece.kind == CutKind::uncertain) {
-    piece.key = hull_range(net, kZ, kW);
-  } else {
-    piece.centred = centre_net(piece.net, pixels_per_key(camera_, piece.key), nets_.take(net.size()));
+  if (piece.kind != CutKind::uncertain) {
+    piece.centred = centre_net(piece.net, pixels_per_key(camera_, piece.hull.key), nets_.take(net.size()));
   }
   if (arcs) {
     piece.region = region_;

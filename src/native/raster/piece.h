@@ -17,19 +17,13 @@
 #include "bezier/net.h"
 #include "camera.h"
 #include "raster/certificate.h"
+#include "raster/hull_bounds.h"
 #include "raster/level_point.h"
 #include "raster/scan_planes.h"
 #include "raster/trim_portions.h"
 #include "scene.h"
 
 namespace nofacet {
-
-// key = at + by_x x + by_y y, to within +-error, all over a piece.
-struct KeyPlane {
-  double at = 0.0, by_x = 0.0, by_y = 0.0, error = 0.0;
-
-  double key(double x, double y) const { return at + by_x * x + by_y * y; }
-};
 
 // No scan plane meets a border a = 0 or a = 1 twice; the other two may turn in y, if the piece is not trimmed.
 struct Piece {
@@ -49,11 +43,10 @@ struct Piece {
   bool rational;            // the weights differ; else they are 1
   bool planar;              // the key plane is exact: its error is below kNegligiblePixels
   CutKind kind;             // uncertain: as small as kNegligiblePixels, drawn as a point
-  Interval x, y, key;       // pixels, pixels, depth key (camera.h)
+  HullBounds hull;
   Interval key_slope;         // d key / da along a cut
   Interval x_bend, key_bend;  // d^2 x / da^2 and d^2 key / da^2 along a cut
   Interval shears;            // key_is_monotone
-  KeyPlane key_plane;
   double bend;  // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
 
   // Whether key - c x moves one way along every cut: if c is no slope of key by x there.
@@ -77,8 +70,8 @@ struct Piece {
 Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
                   std::vector<double>& points);
 
-// Whether everything in a range of the screen that is no nearer than a key is known to be hidden.
-using HiddenTest = std::function<bool(Interval x, Interval y, double nearest)>;
+// Whether everything within these bounds is known to be hidden.
+using HiddenTest = std::function<bool(const HullBounds& hull)>;
 
 // Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
 class PieceBuilder {

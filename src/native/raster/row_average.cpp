@@ -108,7 +108,7 @@ void RowAverage::find_veils(const std::vector<WeightedLine>& lines) {
   for (std::size_t k = 0; k < lines.size(); ++k) {
     veils_[k].clear();
     const ScanLine& line = *lines[k].line;
-    for (const Span* span : line.transparent) visibility_.append_visible(*span, line.segments, veils_[k]);
+    for (const Span* span : line.transparent) visibility_.append_visible(*span, line, veils_[k]);
   }
 }
 

@@ -9,32 +9,6 @@ namespace {
 constexpr double kFinestInterval = 0.5;      // pixels
 constexpr double kCrossingTolerance = 1e-6;  // pixels
 
-// How far key - c x may be from running evenly with the parameter between the ends of a span.
-Interval sag(const Span& span, double c) {
-  const Interval bend = span.piece->key_bend - span.piece->x_bend * c;
-  const double reach = 0.125 * (span.a1 - span.a0) * (span.a1 - span.a0);
-  return {-reach * std::max(bend.hi, 0.0), -reach * std::min(bend.lo, 0.0)};
-}
-
-// key = at + slope x, to within `error`, all along a span: its chord or the piece's key plane, whichever is closer.
-struct KeyLine {
-  double at, slope;
-  Interval error;
-
-  explicit KeyLine(const Span& span) {
-    const KeyPlane& plane = span.piece->key_plane;
-    slope = (span.key1 - span.key0) / (span.x1 - span.x0);
-    at = span.key0 - slope * span.x0;
-    error = sag(span, slope);  // key - slope x is the same at both ends
-    if (2.0 * plane.error <= error.width()) {
-      slope = plane.by_x;
-      at = plane.key(0.0, span.y);
-      error = {-plane.error, plane.error};
-    }
-  }
-  double key(double x) const { return at + slope * x; }
-};
-
 // Bounds of key - c (x - origin) along a span.
 Interval sheared_key(const Span& span, double c, double origin) {
   const double k0 = span.key0 - c * (span.x0 - origin), k1 = span.key1 - c * (span.x1 - origin);
@@ -67,26 +41,48 @@ bool leaves_eye(const Span& span, bool from_left) {
   return (slope > 0) == (other > a);
 }
 
-auto first_after(const std::vector<VisibleSegment>& segments, double x) {
-  return std::upper_bound(segments.begin(), segments.end(), x,
-                          [](double value, const VisibleSegment& s) { return value < s.x1; });
+// Whether all that is no nearer than `near` is behind all that is no farther than `far` between two x, but for where
+// they touch.
+bool is_behind(const KeyLine& near, const KeyLine& far, double x0, double x1, double tie) {
+  return near.key(x0) - far.key(x0) > -tie && near.key(x1) - far.key(x1) > -tie;
 }
 
 }  // namespace
 
-bool ScanLine::hides(double x0, double x1, double nearest) const {
+std::size_t ScanLine::first_after(double x) const {
   constexpr int kNear = 4;
   std::size_t first = std::min(hint, segments.size());
   int moves = 0;
-  while (first > 0 && segments[first - 1].x1 > x0 && moves++ < kNear) --first;
-  while (first < segments.size() && segments[first].x1 <= x0 && moves++ < kNear) ++first;
-  if (moves > kNear) first = first_after(segments, x0) - segments.begin();
-  hint = first;
-  double cursor = x0;
-  for (auto it = segments.begin() + std::ptrdiff_t(first); it != segments.end() && it->x0 <= cursor; ++it) {
-    if (it->span->farthest >= nearest) return false;
-    if (it->x1 >= x1) return true;
-    cursor = it->x1;
+  while (first > 0 && segments[first - 1].x1 > x && moves++ < kNear) --first;
+  while (first < segments.size() && segments[first].x1 <= x && moves++ < kNear) ++first;
+  if (moves > kNear) {
+    first = std::upper_bound(segments.begin(), segments.end(), x,
+                             [](double value, const VisibleSegment& s) { return value < s.x1; }) -
+            segments.begin();
+  }
+  return hint = first;
+}
+
+bool ScanLine::hides(Interval x, double nearest, const KeyLine& near, double tie) const {
+  if (!(x.lo < x.hi)) return true;
+  // Touching surfaces may be one surface only if they touch at both ends.
+  const auto is_hidden_by = [&](const Span& span, double x0, double x1) {
+    if (span.farthest < nearest - tie) return true;
+    const KeyLines lines(span);
+    for (int k = 0; k < lines.far_count; ++k) {
+      const double d0 = near.key(x0) - lines.far[k].key(x0), d1 = near.key(x1) - lines.far[k].key(x1);
+      if (std::min(d0, d1) > -tie && std::max(d0, d1) > tie) return true;
+    }
+    return false;
+  };
+  double cursor = x.lo;
+  for (std::size_t k = first_after(x.lo); k < segments.size(); ++k) {
+    const VisibleSegment& segment = segments[k];
+    // Neighbours meet but for rounding.
+    if (segment.x0 > cursor + kNegligiblePixels) return false;
+    if (!is_hidden_by(*segment.span, cursor, std::min(segment.x1, x.hi))) return false;
+    if (segment.x1 >= x.hi) return true;
+    cursor = segment.x1;
   }
   return false;
 }
@@ -112,71 +108,63 @@ void merge_stretches(std::vector<Interval>& stretches) {
   stretches.resize(kept);
 }
 
-bool Visibility::hidden(const Span& span, const std::vector<VisibleSegment>& segments) const {
-  const double end = std::min(span.x1, double(camera_.width));
-  double cursor = std::max(span.x0, 0.0);
-  for (auto it = first_after(segments, cursor); it != segments.end() && it->x0 <= cursor; ++it) {
-    const Span& old = *it->span;
-    if (decide({span.nearest, span.farthest}, {old.nearest, old.farthest}, tie(old.nearest), span, old) != &old) {
-      return false;
-    }
-    if (it->x1 >= end) return true;
-    cursor = it->x1;
-  }
-  return false;
-}
-
-void Visibility::insert(const Span& span, std::vector<VisibleSegment>& segments) {
+bool Visibility::insert(const Span& span, ScanLine& line) {
+  std::vector<VisibleSegment>& segments = line.segments;
   const double x0 = std::max(span.x0, 0.0), x1 = std::min(span.x1, double(camera_.width));
-  if (const auto next = first_after(segments, x0); next == segments.end() || next->x0 >= x1) {
-    if (x0 < x1) segments.insert(next, {x0, x1, &span});
-    return;
+  if (!(x0 < x1)) return false;
+  const std::size_t first = line.first_after(x0);
+  if (first == segments.size() || segments[first].x0 >= x1) {
+    segments.insert(segments.begin() + std::ptrdiff_t(first), {x0, x1, &span});
+    return true;
   }
-  const Range old = merge(span, segments);
-  if (!shown_) return;
-  const std::ptrdiff_t count = old.last - old.first, size = std::ptrdiff_t(merged_.size());
-  const auto first = segments.begin() + old.first;
+  const std::size_t last = merge(span, segments, first);
+  if (!shown_) return false;
+  const std::size_t count = last - first, size = merged_.size();
+  const auto begin = segments.begin() + std::ptrdiff_t(first);
   if (size > count) {
-    segments.insert(first, size - count, {});
+    segments.insert(begin, size - count, {});
   } else {
-    segments.erase(first, first + (count - size));
+    segments.erase(begin, begin + std::ptrdiff_t(count - size));
   }
-  std::copy(merged_.begin(), merged_.end(), segments.begin() + old.first);
+  std::copy(merged_.begin(), merged_.end(), segments.begin() + std::ptrdiff_t(first));
+  return true;
 }
 
-void Visibility::append_visible(const Span& span, const std::vector<VisibleSegment>& segments,
-                                std::vector<VisibleSegment>& out) {
-  merge(span, segments);
+void Visibility::append_visible(const Span& span, const ScanLine& line, std::vector<VisibleSegment>& out) {
+  merge(span, line.segments, line.first_after(std::max(span.x0, 0.0)));
   for (const VisibleSegment& segment : merged_) {
     if (segment.span == &span) out.push_back(segment);
   }
 }
 
-// Writes to merged_ what replaces the segments that the span overlaps, and to shown_ whether it is in it.
-Visibility::Range Visibility::merge(const Span& span, const std::vector<VisibleSegment>& segments) {
+// Writes to merged_ what replaces the segments that the span overlaps, from `first` on, and to shown_ whether it is in
+// it; returns the end of these segments.
+std::size_t Visibility::merge(const Span& span, const std::vector<VisibleSegment>& segments, std::size_t first) {
   double cursor = std::max(span.x0, 0.0);
   const double end = std::min(span.x1, double(camera_.width));
-  const auto first = first_after(segments, cursor);
   merged_.clear();
   shown_ = false;
-  auto it = first;
-  for (; it != segments.end() && it->x0 < end; ++it) {
-    if (cursor < it->x0) {
-      push(cursor, it->x0, &span);
-      shown_ = true;
-      cursor = it->x0;
+  // What neighbours leave between them by rounding is nobody's.
+  const auto fill = [&](double to) {
+    if (to - cursor < kNegligiblePixels) return;
+    push(cursor, to, &span);
+    shown_ = true;
+  };
+  std::size_t k = first;
+  for (; k < segments.size() && segments[k].x0 < end; ++k) {
+    const VisibleSegment& old = segments[k];
+    if (cursor < old.x0) {
+      fill(old.x0);
+      cursor = old.x0;
     }
-    push(it->x0, cursor, it->span);
-    const double overlap_end = std::min(it->x1, end);
-    shown_ |= compare(span, *it->span, cursor, overlap_end);
-    push(overlap_end, it->x1, it->span);
+    push(old.x0, cursor, old.span);
+    const double overlap_end = std::min(old.x1, end);
+    shown_ |= compare(span, *old.span, cursor, overlap_end);
+    push(overlap_end, old.x1, old.span);
     cursor = overlap_end;
   }
-  if (cursor < end) {
-    push(cursor, end, &span);
-    shown_ = true;
-  }
-  return {first - segments.begin(), it - segments.begin()};
+  if (cursor < end) fill(end);
+  return k;
 }
 
 void Visibility::push(double x0, double x1, const Span* span) {
@@ -193,13 +181,51 @@ bool Visibility::show(const Span* winner, const Span& fresh, double x0, double x
   return winner == &fresh;
 }
 
-// Who is nearest if the keys lie in these ranges; null if they do not tell. Ranges that only touch do: surfaces may
-// meet at an edge. Where all keys are the same, the face with the lower index is.
-const Span* Visibility::decide(Interval fresh_key, Interval old_key, double tie, const Span& fresh,
-                               const Span& old) const {
-  const bool fresh_behind = fresh_key.lo > old_key.hi - tie, old_behind = old_key.lo > fresh_key.hi - tie;
+// Surfaces that are each behind the other are one and the same: then the face with the lower index is nearest.
+const Span* Visibility::decide(bool fresh_behind, bool old_behind, const Span& fresh, const Span& old) const {
   if (fresh_behind && old_behind) return fresh.piece->face < old.piece->face ? &fresh : &old;
   return fresh_behind ? &old : old_behind ? &fresh : nullptr;
+}
+
+// Who is nearest if the keys lie in these ranges; null if they do not tell. Ranges that only touch do: surfaces may
+// meet at an edge.
+const Span* Visibility::decide(Interval fresh_key, Interval old_key, double tie, const Span& fresh,
+                               const Span& old) const {
+  return decide(fresh_key.lo > old_key.hi - tie, old_key.lo > fresh_key.hi - tie, fresh, old);
+}
+
+// By what bounds the keys linearly along x.
+const Span* Visibility::decide_by_lines(const Span& fresh, const Span& old, double x0, double x1, double tie) const {
+  const KeyLines f(fresh), o(old);
+  const auto behind = [&](const KeyLines& p, const KeyLines& q) {
+    for (int i = 0; i < p.near_count; ++i) {
+      for (int j = 0; j < q.far_count; ++j) {
+        if (is_behind(p.near[i], q.far[j], x0, x1, tie)) return true;
+      }
+    }
+    return false;
+  };
+  if (const Span* nearer = decide(behind(f, o), behind(o, f), fresh, old)) return nearer;
+  // By both kinds of bounds together: one of the spans may be steep and the other long.
+  const auto range = [&](const Span& span, const KeyLines& lines) {
+    const double n0 = lines.near[0].key(x0), n1 = lines.near[0].key(x1);
+    const double f0 = lines.far[0].key(x0), f1 = lines.far[0].key(x1);
+    return intersect({std::min(n0, n1), std::max(f0, f1)}, {span.nearest, span.farthest});
+  };
+  return decide(range(fresh, f), range(old, o), tie, fresh, old);
+}
+
+// Both sides of a fold are on one side each of where they meet, seen along a slope that the surface has nowhere there.
+const Span* Visibility::decide_by_shears(const Span& fresh, const Span& old, double x0, double tie) const {
+  for (const Span* span : {&fresh, &old}) {
+    const Span& other = span == &fresh ? old : fresh;
+    if (span->piece->kind != CutKind::fold || !(span->piece->shears.lo <= span->piece->shears.hi)) continue;
+    const double c = common_shear(*span->piece, *other.piece);
+    if (const Span* nearer = decide(sheared_key(fresh, c, x0), sheared_key(old, c, x0), tie, fresh, old)) {
+      return nearer;
+    }
+  }
+  return nullptr;
 }
 
 // Writes who is nearest on [x0, x1]; returns whether the new span is anywhere.
@@ -208,32 +234,10 @@ bool Visibility::compare(const Span& fresh, const Span& old, double x0, double x
   // Neighbours meet at their common border but for rounding.
   if (x1 - x0 < kNegligiblePixels) return show(&old, fresh, x0, x1);
   const double tie = this->tie(old.nearest);
-  if (const Span* nearer = decide({fresh.nearest, fresh.farthest}, {old.nearest, old.farthest}, tie, fresh, old)) {
-    return show(nearer, fresh, x0, x1);
-  }
-  // By what is linear along x.
-  const KeyLine f_line(fresh), o_line(old);
-  const double f0 = f_line.key(x0), f1 = f_line.key(x1), o0 = o_line.key(x0), o1 = o_line.key(x1);
-  const Interval difference = Interval{std::min(f0 - o0, f1 - o1), std::max(f0 - o0, f1 - o1)} + f_line.error - o_line.error;
-  if (const Span* nearer = decide(difference, {0.0, 0.0}, tie, fresh, old)) return show(nearer, fresh, x0, x1);
-  // By both kinds of bounds together: one of the spans may be steep and the other long.
-  const auto bound = [](const Span& span, double k0, double k1, Interval e) {
-    return intersect(Interval{std::min(k0, k1), std::max(k0, k1)} + e, {span.nearest, span.farthest});
-  };
-  if (const Span* nearer =
-          decide(bound(fresh, f0, f1, f_line.error), bound(old, o0, o1, o_line.error), tie, fresh, old)) {
-    return show(nearer, fresh, x0, x1);
-  }
-  // Both sides of a fold are on one side each of where they meet, seen along a slope that the surface has nowhere there.
-  for (const Span* span : {&fresh, &old}) {
-    const Span& other = span == &fresh ? old : fresh;
-    if (span->piece->kind != CutKind::fold || !(span->piece->shears.lo <= span->piece->shears.hi)) continue;
-    const double c = common_shear(*span->piece, *other.piece);
-    if (const Span* nearer = decide(sheared_key(fresh, c, x0), sheared_key(old, c, x0), tie, fresh, old)) {
-      return show(nearer, fresh, x0, x1);
-    }
-  }
-  return compare_points(fresh, old, x0, x1);
+  const Span* nearer = decide({fresh.nearest, fresh.farthest}, {old.nearest, old.farthest}, tie, fresh, old);
+  if (!nearer) nearer = decide_by_lines(fresh, old, x0, x1, tie);
+  if (!nearer) nearer = decide_by_shears(fresh, old, x0, tie);
+  return nearer ? show(nearer, fresh, x0, x1) : compare_points(fresh, old, x0, x1);
 }
 
 // Solves both spans at several x and compares them from one to the next.

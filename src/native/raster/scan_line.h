@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "raster/span.h"
+#include "raster/key_lines.h"
 
 namespace nofacet {
 
@@ -25,8 +25,11 @@ struct ScanLine {
     segments.clear();
     transparent.clear();
   }
-  // Whether nothing beyond the key `nearest` can be seen of the plane between x0 and x1.
-  bool hides(double x0, double x1, double nearest) const;
+  // Whether what lies between two x and no nearer than `nearest`, and no nearer than the line `near`, cannot be seen.
+  // `tie`: keys closer than this may be those of one surface.
+  bool hides(Interval x, double nearest, const KeyLine& near, double tie) const;
+  // Index of the first segment that ends right of x.
+  std::size_t first_after(double x) const;
   // The stretches of x covered by anything, disjoint and ascending, into `out`.
   void covered(double width, std::vector<Interval>& out) const;
 };
@@ -46,25 +49,23 @@ class Visibility {
 
   // The difference of keys that stands for the depth tie, near a key.
   double tie(double key) const { return camera_.perspective ? depth_tie_ * key * key : depth_tie_; }
-  // Whether bounds of the keys tell that `span` is behind the segments all along. Such a span need not be kept.
-  bool hidden(const Span& span, const std::vector<VisibleSegment>& segments) const;
-  // Makes `span` compete with the segments.
-  void insert(const Span& span, std::vector<VisibleSegment>& segments);
-  // Appends the stretches of `span` that none of `segments` hides: how a transparent face lies before opaque ones.
-  void append_visible(const Span& span, const std::vector<VisibleSegment>& segments, std::vector<VisibleSegment>& out);
+  // Makes `span` compete with the line's segments; whether it is seen anywhere. Else it need not be kept.
+  bool insert(const Span& span, ScanLine& line);
+  // Appends the stretches of `span` that no segment of the line hides: how a transparent face lies before opaque ones.
+  void append_visible(const Span& span, const ScanLine& line, std::vector<VisibleSegment>& out);
 
  private:
-  struct Range {
-    std::ptrdiff_t first, last;
-  };
   // How much farther one span's key is than another's at x.
   struct KeyDifference {
     double x, d;
   };
 
-  Range merge(const Span& span, const std::vector<VisibleSegment>& segments);
+  std::size_t merge(const Span& span, const std::vector<VisibleSegment>& segments, std::size_t first);
   void push(double x0, double x1, const Span* span);
+  const Span* decide(bool fresh_behind, bool old_behind, const Span& fresh, const Span& old) const;
   const Span* decide(Interval fresh_key, Interval old_key, double tie, const Span& fresh, const Span& old) const;
+  const Span* decide_by_lines(const Span& fresh, const Span& old, double x0, double x1, double tie) const;
+  const Span* decide_by_shears(const Span& fresh, const Span& old, double x0, double tie) const;
   bool show(const Span* winner, const Span& fresh, double x0, double x1);
   bool compare(const Span& fresh, const Span& old, double x0, double x1);
   bool compare_points(const Span& fresh, const Span& old, double x0, double x1);

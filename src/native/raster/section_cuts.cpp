@@ -27,12 +27,12 @@ void SectionCuts::cut(std::size_t band, const double* y, int count) {
   for (std::size_t k = 0; k < sections_.views().size(); ++k) {
     SectionView& view = sections_.views()[k];
     for (const int32_t index : view.bands[band]) {
-      const auto [first, last] = planes_in(view.patches->patches()[index].y);
+      const auto [first, last] = planes_in(view.patches->patches()[index].hull.y);
       if (first == last) continue;
       const auto [piece, end] = view.patches->pieces(index, thread_);
       for (const Piece* p = piece; p != end; ++p) {
-        const auto [from, to] = planes_in(p->y);
-        if (from < to && p->x.lo <= SectionView::kMiddle && p->x.hi >= SectionView::kMiddle) {
+        const auto [from, to] = planes_in(p->hull.y);
+        if (from < to && p->hull.x.lo <= SectionView::kMiddle && p->hull.x.hi >= SectionView::kMiddle) {
           cut_piece(k, *p, y, from, to);
         }
       }
@@ -208,11 +208,11 @@ void SectionCuts::fill(const Run& run, int32_t plane, double y) {
 // Adds the stretch [x0, x1] of a cap as far as the other section planes and the picture leave it.
 void SectionCuts::fill_stretch(const Border& of, double x0, double x1, int32_t plane, double y) {
   const Piece& cap = sections_.cap(of.view, of.body);
-  const Interval clipped = sections_.kept_stretch(of.view, intersect({x0, x1}, cap.x), y);
+  const Interval clipped = sections_.kept_stretch(of.view, intersect({x0, x1}, cap.hull.x), y);
   if (!(clipped.lo < clipped.hi)) return;
-  const auto a = [&](double x) { return (x - cap.x.lo) / cap.x.width(); };
-  const double b = (y - cap.y.lo) / cap.y.width();
-  const double key0 = cap.key_plane.key(clipped.lo, y), key1 = cap.key_plane.key(clipped.hi, y);
+  const auto a = [&](double x) { return (x - cap.hull.x.lo) / cap.hull.x.width(); };
+  const double b = (y - cap.hull.y.lo) / cap.hull.y.width();
+  const double key0 = cap.hull.plane.key(clipped.lo, y), key1 = cap.hull.plane.key(clipped.hi, y);
   cap_spans_.push_back({&cap, y, clipped.lo, clipped.hi, a(clipped.lo), b, a(clipped.hi), b, key0, key1,
                         std::min(key0, key1), std::max(key0, key1), plane, false, false, 0});
 }

@@ -52,11 +52,11 @@ void Sections::add_caps(const Scene& scene) {
     const KeyPlane& plane = views_[view].key_plane;
     double* points = cap_nets_.data() + cap_nets_.size();
     Piece piece{};
-    piece.key = Interval::empty();
+    piece.hull = {x, y, Interval::empty(), plane, 0.0, x};
     for (const double px : {x.lo, x.hi}) {
       for (const double py : {y.lo, y.hi}) {
         cap_nets_.insert(cap_nets_.end(), {px, py, 1.0, plane.key(px, py)});
-        piece.key.include(plane.key(px, py));
+        piece.hull.key.include(plane.key(px, py));
       }
     }
     piece.net = {1, 1, points};
@@ -67,8 +67,6 @@ void Sections::add_caps(const Scene& scene) {
     piece.s1 = piece.t1 = 1.0;
     piece.rising = piece.planar = true;
     piece.kind = CutKind::regular;
-    piece.x = x, piece.y = y;
-    piece.key_plane = plane;
     piece.key_slope = {plane.by_x * x.width(), plane.by_x * x.width()};
     for (std::size_t body = 0; body < body_count_; ++body) {
       piece.face = scene.cap_face(int(view), int32_t(body));

@@ -41,7 +41,7 @@ void surface_normal(const Scene& scene, const Piece& piece, const Camera& camera
   camera.unproject(sample.jet.pb, pb);
   const Tangents tangents(p, pa, pb);
   if (scene.is_cap(piece.face)) {
-    plane_normal(piece.key_plane, camera, normal);
+    plane_normal(piece.hull.plane, camera, normal);
   } else if (is_tiny(piece) || tangents.degenerate() || !tangents.cross(normal)) {
     normal_of_patch(scene, piece, camera, sample.a, sample.b, normal);
   }

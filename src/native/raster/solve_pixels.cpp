@@ -54,10 +54,10 @@ void write_batch(const View& view, PixelBatch& batch) {
 HWY_NOINLINE void SolvePlanar(const View& view, const PixelJob* jobs, std::size_t count, PixelBatch& batch) {
   const Lanes d;
   const Camera& camera = view.camera;
-  const KeyPlane& plane = view.piece.key_plane;
+  const KeyPlane& plane = view.piece.hull.plane;
   const int width = int(hn::Lanes(d));
   const double at_centre = plane.key(0.5 * camera.width, 0.5 * camera.height);
-  const double size = camera.perspective ? std::max(std::fabs(at_centre), view.piece.key.magnitude()) : 1.0;
+  const double size = camera.perspective ? std::max(std::fabs(at_centre), view.piece.hull.key.magnitude()) : 1.0;
   const double nx = camera.scale * plane.by_x / size, ny = -camera.scale * plane.by_y / size;
   const double nz = camera.perspective ? at_centre / size : -1.0;
   std::fill_n(batch.nx, PixelBatch::kSize, float(nx));

@@ -19,7 +19,7 @@ Interval bound_key(const Piece& piece, double a0, double key0, double a1, double
   // A parabola of that bend through both ends; from rise = bend on its vertex is not between them.
   const double beyond = rise < bend ? 0.25 * (bend - rise) * (bend - rise) / bend : 0.0;
   const Interval bent{std::min(key0, key1) - beyond, std::max(key0, key1) + beyond};
-  return intersect(intersect(intersect(from_0, from_1), bent), piece.key);
+  return intersect(intersect(intersect(from_0, from_1), bent), piece.hull.key);
 }
 
 }  // namespace
@@ -112,14 +112,14 @@ bool SpanMaker::inside(const Piece& piece, double y, const CutPoint& from, const
 
 void SpanMaker::append_point(const Piece& piece, const double* y, int count, int first_plane, int width,
                              std::vector<Span>& out) const {
-  if (piece.x.hi <= 0 || piece.x.lo >= width) return;
+  if (piece.hull.x.hi <= 0 || piece.hull.x.lo >= width) return;
   double u, v;
   piece.face_from_local(0.5, 0.5, &u, &v);
   if (piece.region && !piece.region->contains(u, v)) return;
   for (int k = 0; k < count; ++k) {
-    if (!(piece.y.lo <= y[k] && y[k] < piece.y.hi)) continue;
-    out.push_back({&piece, y[k], piece.x.lo, piece.x.hi, 0.5, 0.5, 0.5, 0.5, piece.key.lo, piece.key.lo, piece.key.lo,
-                   piece.key.hi, first_plane + k, false, false, 0});
+    if (!(piece.hull.y.lo <= y[k] && y[k] < piece.hull.y.hi)) continue;
+    out.push_back({&piece, y[k], piece.hull.x.lo, piece.hull.x.hi, 0.5, 0.5, 0.5, 0.5, piece.hull.key.lo, piece.hull.key.lo, piece.hull.key.lo,
+                   piece.hull.key.hi, first_plane + k, false, false, 0});
   }
 }
 
