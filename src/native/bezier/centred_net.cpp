@@ -59,7 +59,7 @@ HWY_EXPORT(Convert);
 
 namespace {
 
-constexpr int kMaxPlainDegrees = 16;  // n + m, up to which double precision does for the conversion
+constexpr double kPlainError = 2e-9;  // beyond it the conversion takes more than double precision
 
 // power[k * (n + 1) + i]: coefficient of (t - 1/2)^k in the Bernstein polynomial B_i^n. All are exact.
 struct Conversion {
@@ -175,10 +175,10 @@ CentredNet centre_net(const Net& net, double key_scale, double* out) {
   const double reach = 0.5 * std::max(range[kX].width(), range[kY].width());
   const Conversion &in_a = conversion(net.n), &in_b = conversion(net.m);
   CentredNet result{net.n, net.m, out, centre[kX], centre[kY], centre[kZ], 0.0};
-  if (net.n + net.m <= kMaxPlainDegrees) {
-    double rows[4 * (kMaxPlainDegrees + 1) * (kMaxPlainDegrees + 1)];
+  result.error = std::ldexp(reach, net.n + net.m - 52);
+  if (result.error < kPlainError) {
+    double rows[4 * (kMaxDegree + 1) * (kMaxDegree + 1)];
     HWY_DYNAMIC_DISPATCH(Convert)(net, in_a.power.data(), in_b.power.data(), centre, rows, out);
-    result.error = std::ldexp(reach, net.n + net.m - 52);
   } else {
     convert_precisely(net, in_a, in_b, centre, out);
     result.error = std::ldexp(reach, net.n + net.m - std::numeric_limits<long double>::digits);

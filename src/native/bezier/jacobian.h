@@ -29,7 +29,8 @@ struct JacobianDegrees {
         turn_m(j_m + (rational ? 2 * m - 1 : m - 1)) {}
 };
 
-// Coefficients of the turn's form, at most.
+// Coefficients of J's form and of its turn's, at most.
+inline constexpr int kMaxJacobianSize = 9 * kMaxJacobianDegree * kMaxJacobianDegree;
 inline constexpr int kMaxTurnSize = (5 * kMaxJacobianDegree - 1) * (5 * kMaxJacobianDegree - 1);
 
 // Writes J, of y and `along` (kX; with kZ the depth key takes the place of x); `out` has the degrees for it. Returns the

@@ -6,9 +6,6 @@
 namespace nofacet {
 namespace {
 
-// A derivative counts as one-signed only if it stays this far from zero, relative to the terms it is made of.
-constexpr double kRoundingMargin = 1e-12;
-
 bool clearly_one_signed(Interval value, double terms) { return value.mignitude() > kRoundingMargin * terms; }
 
 bool grows_with_b(const QuotientBounds& y) { return clearly_one_signed(y.fb, y.fa.magnitude() + y.fb.magnitude()); }

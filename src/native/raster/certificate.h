@@ -15,6 +15,9 @@ inline constexpr double kSliverPixels = 1e-6;
 // drawn as a point or, if it has no area, not at all. It bounds the error of doing so.
 inline constexpr double kNegligiblePixels = 1e-9;
 
+// A derivative counts as one-signed only if it stays this far from zero, relative to the terms it is made of.
+inline constexpr double kRoundingMargin = 1e-12;
+
 // What is proved of the cut y = const of a piece, for every y: it is a graph over one parameter (y depends on the other
 // one strictly), and along it the screen x
 enum class CutKind : unsigned char {

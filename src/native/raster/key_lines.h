@@ -24,7 +24,9 @@ struct KeyLines {
   void add_far(double slope, double x, double key) { far[far_count++] = {key - slope * x, slope}; }
 };
 
-// How far key - c x may be from running evenly with the parameter between the ends of a span.
-Interval sag(const Span& span, double c);
+// Bounds of d key / dx along a span; infinite where there are none.
+Interval key_slopes(const Span& span);
+// How far key - c x may be from running evenly with the parameter between two points of a span, at a0 and a1.
+Interval sag(const Piece& piece, double a0, double a1, double c);
 
 }  // namespace nofacet

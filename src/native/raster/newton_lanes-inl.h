@@ -22,8 +22,9 @@ struct View {
   const Frame& frame;
   const Piece& piece;
   const float* color;
-  bool values;     // whether anything but uv is written
-  double half[3];  // unit vector between the key light and the eye (orthographic)
+  bool values;       // whether anything but uv is written
+  double calm_step;  // a Newton step that is no larger leaves a pixel accurate and its normal sound for shading
+  double half[3];    // unit vector between the key light and the eye (orthographic)
 
   View(const Camera& c, const Frame& f, const Piece& p, const float* face_color, bool with_values)
       : camera(c),
@@ -31,6 +32,8 @@ struct View {
         piece(p),
         color(face_color),
         values(with_values),
+        calm_step(std::min(kShadeTolerance * p.least_tangent / (2.0 * p.bend),
+                           std::sqrt(kPixelTolerance / (p.bend * p.reach)))),
         half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
     const double length = std::sqrt(Camera::dot(half, half));
     for (double& h : half) h /= length;
@@ -40,17 +43,22 @@ struct View {
 // Key, normal and Newton step of one group of pixels. The normal, in eye space, is that of the tangent plane's equation
 // key = nx x' + ny y' + const, scaled so that it points towards the eye and stays finite in single precision.
 struct Point {
-  Vec key, nx, ny, nz, da, db;
+  Vec key, nx, ny, nz, da, db, step;  // step: the larger of da and db
+  // Derivatives of F and, on the screen's scale, of the key; their determinant, and the weight after the step.
+  Vec fxa, fxb, fya, fyb, ka, kb, determinant, inverse, weight;
+  Vec ux, uy;  // the tangent plane's slopes, on the screen's scale
+};
+
+// What is known of a point after a step.
+struct Verdict {
   Mask accurate, regular;  // the step's remainder is small; the normal is sound
-  // What a second step with the same derivatives needs: those of F, the inverse of their determinant, the step's size,
-  // how much farther than on the screen an error reaches in depth, and whether the normal may be taken before the step.
-  Vec fxa, fxb, fya, fyb, inverse, step, reach;
-  Mask normal_accurate;
+  Mask normal_accurate;    // the normal may be taken before the step
+  Vec reach;               // how much farther than on the screen an error reaches in depth
 };
 
 template <bool kRational>
 HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, const LaneJet& jet, Vec x, Vec y,
-                            double normal_tolerance, Point& out) {
+                            Point& out) {
   // F = P - (x, y) W vanishes at the solution; there F_a = W x_a and so on, and D = W^2 J.
   const Vec tx = hn::Sub(x, hn::Set(d, origin.x)), ty = hn::Sub(y, hn::Set(d, origin.y));
   Vec fx, fy, fxa, fxb, fya, fyb;
@@ -74,7 +82,7 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
   }
   out.da = hn::Mul(hn::MulSub(fy, fxb, hn::Mul(fx, fyb)), inverse);
   out.db = hn::Mul(hn::MulSub(fx, fya, hn::Mul(fy, fxa)), inverse);
-  const Vec step = hn::Max(hn::Abs(out.da), hn::Abs(out.db));
+  out.step = hn::Max(hn::Abs(out.da), hn::Abs(out.db));
   Vec key = hn::MulAdd(out.da, jet.pa[kZ], hn::MulAdd(out.db, jet.pb[kZ], jet.p[kZ]));
   Vec ka = jet.pa[kZ], kb = jet.pb[kZ], weight = one;
   if constexpr (kRational) {
@@ -95,28 +103,37 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
   const Vec size = hn::Abs(out.key), key_scale = perspective ? hn::Div(scale, size) : scale;
   const Vec by_x = hn::Mul(hn::MulSub(ka, fyb, hn::Mul(kb, fya)), inverse);
   const Vec by_y = hn::Mul(hn::MulSub(kb, fxa, hn::Mul(ka, fxb)), inverse);
-  const Vec ux = hn::Mul(by_x, key_scale), uy = hn::Mul(by_y, key_scale);
-  out.nx = ux, out.ny = hn::Neg(uy), out.nz = hn::Set(d, -1.0);
+  out.ux = hn::Mul(by_x, key_scale), out.uy = hn::Mul(by_y, key_scale);
+  out.nx = out.ux, out.ny = hn::Neg(out.uy), out.nz = hn::Set(d, -1.0);
   if (perspective) {
     const Vec cx = hn::Set(d, 0.5 * camera.width), cy = hn::Set(d, 0.5 * camera.height);
     const Vec nz = hn::MulAdd(hn::Sub(cx, x), by_x, hn::MulAdd(hn::Sub(cy, y), by_y, out.key));
     out.nz = hn::Div(nz, size);  // the key's unit is arbitrary
   }
-  out.reach = hn::Add(one, hn::Add(hn::Abs(ux), hn::Abs(uy)));
-  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(step, step)), out.reach);
+  out.fxa = fxa, out.fxb = fxb, out.fya = fya, out.fyb = fyb;
+  out.ka = hn::Mul(ka, key_scale), out.kb = hn::Mul(kb, key_scale);
+  out.determinant = determinant, out.inverse = inverse, out.weight = weight;
+}
 
+HWY_INLINE Verdict judge(Lanes d, const View& view, const Point& point, double normal_tolerance) {
+  Verdict verdict;
+  const Vec one = hn::Set(d, 1.0);
+  verdict.reach = hn::Add(one, hn::Add(hn::Abs(point.ux), hn::Abs(point.uy)));
+  const Vec remainder =
+      hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(point.step, point.step)), verdict.reach);
   // Squares of the tangents' lengths, times W^2.
   const auto square3 = [&](Vec p, Vec q, Vec r) HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
-  const Vec a2 = square3(fxa, fya, hn::Mul(ka, key_scale)), b2 = square3(fxb, fyb, hn::Mul(kb, key_scale));
+  const Vec a2 = square3(point.fxa, point.fya, point.ka), b2 = square3(point.fxb, point.fyb, point.kb);
   // The tangents, taken before the step, differ from those after it by 2 bend step at most.
-  const Vec turn = hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), step), weight);
-  out.normal_accurate = hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2));
-  out.accurate = hn::And(out.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
-  out.fxa = fxa, out.fxb = fxb, out.fya = fya, out.fyb = fyb, out.inverse = inverse, out.step = step;
-  const Vec n2 = hn::Mul(square3(ux, uy, hn::Set(d, 1.0)), hn::Mul(determinant, determinant));
+  const Vec turn =
+      hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), point.step), point.weight);
+  verdict.normal_accurate = hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2));
+  verdict.accurate = hn::And(verdict.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
+  const Vec n2 = hn::Mul(square3(point.ux, point.uy, one), hn::Mul(point.determinant, point.determinant));
   const Vec degenerate = hn::Set(d, kDegenerate * kDegenerate);
-  out.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
-                        hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
+  verdict.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
+                            hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
+  return verdict;
 }
 
 // A second step, from (a, b), where newton_step led to, with the derivatives that it had: all it costs is one more
@@ -124,7 +141,7 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
 // step, and the remainder of that.
 template <int kN, int kM, bool kRational, class NetKind>
 HWY_INLINE void second_step(Lanes d, const View& view, const NetKind& net, const Origin& origin, const LaneJet& jet,
-                            Vec a, Vec b, Vec x, Vec y, Point& out) {
+                            Vec a, Vec b, Vec x, Vec y, Point& out, Verdict& verdict) {
   Vec p[4];
   evaluate_positions<kN, kM, kRational>(d, net, a, b, p);
   Vec fx, fy;
@@ -142,8 +159,8 @@ HWY_INLINE void second_step(Lanes d, const View& view, const NetKind& net, const
   out.da = hn::Add(out.da, da), out.db = hn::Add(out.db, db);
   const Vec step = hn::Max(hn::Abs(da), hn::Abs(db));
   const Vec both = hn::MulAdd(hn::Set(d, 2.0), out.step, step);
-  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(both, step)), out.reach);
-  out.accurate = hn::And(out.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
+  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(both, step)), verdict.reach);
+  verdict.accurate = hn::And(verdict.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
 }
 
 }  // namespace HWY_NAMESPACE

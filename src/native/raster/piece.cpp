@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "bezier/turning.h"
+#include "patch_normal.h"
 #include "placed_patch.h"
 
 namespace nofacet {
@@ -313,13 +314,21 @@ Interval bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
   return f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope);
 }
 
-// Bounds of key_jacobian / jacobian, which is d key / dx along the cuts.
-Interval slopes(const Grid& key_jacobian, const Grid& jacobian) {
+// Bounds of key_jacobian / jacobian, which is d key / dx along the cuts, where the Jacobian has one sign. Where it
+// vanishes they are infinite, on one side if the other form does not vanish there. `negligible`: what counts as zero.
+Interval slopes(const Grid& key_jacobian, const Grid& jacobian, double negligible) {
+  const double sign = jacobian.range().mid() < 0 ? -1.0 : 1.0;
   Interval range = Interval::empty();
   for (std::size_t k = 0; k < jacobian.size(); ++k) {
-    range.include(key_jacobian.coefficients[k] / jacobian.coefficients[k]);
+    const double j = sign * jacobian.coefficients[k], key = sign * key_jacobian.coefficients[k];
+    if (j > negligible) {
+      range.include(key / j);
+      continue;
+    }
+    if (!(key < -negligible)) range.hi = INFINITY;
+    if (!(key > negligible)) range.lo = -INFINITY;
   }
-  return value_range(jacobian.coefficients, jacobian.size()).one_signed() ? range : Interval{-INFINITY, INFINITY};
+  return range;
 }
 
 // The c for which key_jacobian - c jacobian has one sign all over, though the Jacobian has two; empty if there are none.
@@ -340,6 +349,20 @@ Interval steady_shears(const Grid& key_jacobian, const Grid& jacobian) {
 
 }  // namespace
 
+// Fills in what is known of the tangents, on the screen's scale, and of the normals made of them.
+void bound_tangents(const QuotientBounds& x, const QuotientBounds& y, const QuotientBounds& key, double key_pixels,
+                    Piece* piece) {
+  const double jacobian = (x.fa * y.fb - x.fb * y.fa).mignitude();
+  const double xa = x.fa.magnitude(), xb = x.fb.magnitude(), ya = y.fa.magnitude(), yb = y.fb.magnitude();
+  const double ka = key_pixels * key.fa.magnitude(), kb = key_pixels * key.fb.magnitude();
+  piece->reach = 1.0 + (ka * (xb + yb) + kb * (xa + ya)) / jacobian;
+  const double longest_a = std::sqrt(xa * xa + ya * ya + ka * ka), longest_b = std::sqrt(xb * xb + yb * yb + kb * kb);
+  const double least_a = jacobian / longest_b, least_b = std::max(jacobian / longest_a, y.fb.mignitude());
+  const bool sound = jacobian > kFlat * longest_a * longest_b && least_a >= kDegenerate * longest_b &&
+                     least_b >= kDegenerate * longest_a;
+  piece->least_tangent = sound ? std::min(least_a, least_b) : 0.0;
+}
+
 // Fills in what a certified piece knows of its cuts.
 void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Node& node,
                             const Box& box, Piece* piece) const {
@@ -349,6 +372,10 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   const QuotientBounds y = piece->transposed ? transposed_bounds(bounds.y) : bounds.y;
   const QuotientBounds key = piece->transposed ? transposed_bounds(bounds.key) : bounds.key;
   piece->rising = y.fb.positive();
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;
+  const double key_pixels = pixels_per_key(camera_, key.f);
+  piece->hull = hull_bounds(net, bounds.x.f, bounds.y.f, bounds.key.f);
+  piece->planar = piece->hull.plane.error * key_pixels < kNegligiblePixels;
   const QuotientBounds x = piece->transposed ? transposed_bounds(bounds.x) : bounds.x;
   piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
   if (node.key_jacobian.coefficients) {
@@ -357,8 +384,17 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
     const double area = (box.s1 - box.s0) * (box.t1 - box.t0);
     const Interval along = node.key_jacobian.range() * (piece->transposed ? -area : area);
     piece->key_slope = intersect(piece->key_slope, along / (y.fb * cubed));
-    piece->shears = piece->kind == CutKind::fold ? steady_shears(node.key_jacobian, node.jacobian)
-                                                 : slopes(node.key_jacobian, node.jacobian);
+    piece->shears = piece->kind == CutKind::fold
+                        ? steady_shears(node.key_jacobian, node.jacobian)
+                        : slopes(node.key_jacobian, node.jacobian, kRoundingMargin * scales_.jacobian_terms);
+  } else if (node.jacobian.coefficients && !piece->planar) {
+    // Without folds the depth's form is not carried along.
+    double forms[2 * kMaxJacobianSize];
+    Grid jacobian = node.jacobian, key_jacobian = node.jacobian;
+    jacobian.coefficients = forms, key_jacobian.coefficients = forms + kMaxJacobianSize;
+    const double terms = jacobian_form(net, piece->rational, kX, jacobian);
+    jacobian_form(net, piece->rational, kZ, key_jacobian);
+    piece->shears = slopes(key_jacobian, jacobian, kRoundingMargin * terms);
   } else if (piece->kind == CutKind::fold) {
     piece->shears = piece->key_slope.one_signed() ? Interval{0.0, 0.0} : Interval::empty();
   } else {
@@ -366,11 +402,8 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
     piece->shears = x_slope.one_signed() ? piece->key_slope / x_slope : Interval{-INFINITY, INFINITY};
   }
   piece->x_bend = bend_along_cut(x, y), piece->key_bend = bend_along_cut(key, y);
-  const double key_pixels = pixels_per_key(camera_, key.f);
+  bound_tangents(x, y, key, key_pixels, piece);
   piece->bend = std::max({bounds.x_remainder, bounds.y_remainder, bounds.key_remainder * key_pixels});
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;
-  piece->hull = hull_bounds(net, bounds.x.f, bounds.y.f, bounds.key.f);
-  piece->planar = piece->hull.plane.error * key_pixels < kNegligiblePixels;
 }
 
 // Stores a certified piece with the turns of the borders along its cuts. A trimmed one is cut at them instead: then no

@@ -48,6 +48,9 @@ struct Piece {
   Interval x_bend, key_bend;  // d^2 x / da^2 and d^2 key / da^2 along a cut
   Interval shears;            // key_is_monotone
   double bend;  // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
+  // No tangent along a or b is shorter on the screen, in pixels; 0 if normals may be unsound somewhere.
+  double least_tangent;
+  double reach;  // an error on the screen grows by less than this factor in depth
 
   // Whether key - c x moves one way along every cut: if c is no slope of key by x there.
   bool key_is_monotone(double c) const { return (shears.lo <= c && c <= shears.hi) == (kind == CutKind::fold); }

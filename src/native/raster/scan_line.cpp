@@ -13,7 +13,24 @@ constexpr double kCrossingTolerance = 1e-6;  // pixels
 Interval sheared_key(const Span& span, double c, double origin) {
   const double k0 = span.key0 - c * (span.x0 - origin), k1 = span.key1 - c * (span.x1 - origin);
   const Interval ends{std::min(k0, k1), std::max(k0, k1)};
-  return span.piece->key_is_monotone(c) ? ends : ends + sag(span, c);
+  return span.piece->key_is_monotone(c) ? ends : ends + sag(*span.piece, span.a0, span.a1, c);
+}
+
+// Bounds of key - c (x - x[k]) along a span between two of its points.
+Interval key_between(const Span& span, const SpanKeys& keys, const double* x, int k, double c) {
+  const double length = x[k + 1] - x[k], k0 = keys.key[k], k1 = keys.key[k + 1] - c * length;
+  const Interval ends{std::min(k0, k1), std::max(k0, k1)};
+  const Piece& piece = *span.piece;
+  if (piece.planar) return ends;
+  Interval key = ends + sag(piece, keys.a[k], keys.a[k + 1], c);
+  // Lines from both ends, by the slopes that there are, meet at the lowest and highest point.
+  const Interval slopes = key_slopes(span) - c;
+  if (slopes.lo >= 0 || slopes.hi <= 0) return ends;
+  if (std::isfinite(slopes.lo) && std::isfinite(slopes.hi)) {
+    const double mean = (k1 - k0) / length, share = (mean - slopes.hi) / (slopes.lo - slopes.hi);
+    key = intersect(key, {k0 + slopes.lo * share * length, k1 - slopes.lo * share * length});
+  }
+  return key;
 }
 
 // A shear under which the keys of two spans vary little: both one way, if there is such a shear.
@@ -255,24 +272,24 @@ bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, d
   SpanKeys f, o;
   keys_at(fresh, x, kCount, &f);
   keys_at(old, x, kCount, &o);
-  const auto between = [](const Span& span, const SpanKeys& keys, int k) {
-    if (span.piece->planar) {
-      return Interval{std::min(keys.key[k], keys.key[k + 1]), std::max(keys.key[k], keys.key[k + 1])};
-    }
-    return span.key_between(keys.a[k], keys.key[k], keys.a[k + 1], keys.key[k + 1]);
-  };
   const bool linear = fresh.piece->planar && old.piece->planar;
   bool shown = false;
   for (int k = 0; k < kLast; ++k) {
     if (!(x[k] < x[k + 1])) continue;
-    const Interval key = between(old, o, k);
-    if (const Span* nearer = decide(between(fresh, f, k), key, tie(key.lo), fresh, old)) {
+    // Along the old span's chord both keys vary little.
+    const double c = (o.key[k + 1] - o.key[k]) / (x[k + 1] - x[k]), tie = this->tie(o.key[k]);
+    const auto plain = [&](const Span& span, const SpanKeys& keys) {
+      return span.key_between(keys.a[k], keys.key[k], keys.a[k + 1], keys.key[k + 1]);
+    };
+    const Span* nearer = decide(plain(fresh, f), plain(old, o), tie, fresh, old);
+    if (!nearer) nearer = decide(key_between(fresh, f, x, k, c), key_between(old, o, x, k, c), tie, fresh, old);
+    if (nearer) {
       shown |= show(nearer, fresh, x[k], x[k + 1]);
     } else if (x[k + 1] - x[k] > kFinestInterval && !linear) {
       shown |= compare_points(fresh, old, x[k], x[k + 1]);
     } else {
       const KeyDifference left{x[k], f.key[k] - o.key[k]}, right{x[k + 1], f.key[k + 1] - o.key[k + 1]};
-      shown |= cross(fresh, old, left, right, tie(key.lo));
+      shown |= cross(fresh, old, left, right, tie);
     }
   }
   return shown;

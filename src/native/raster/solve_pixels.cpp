@@ -27,9 +27,6 @@ constexpr int kCoarseSteps = 6;
 constexpr float kCoarseStep = 2e-4f;
 // Every pixel then takes a step, and this many more if that was not enough.
 constexpr int kMaxRetries = 8;
-// Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
-constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
-
 // A thread's memory. The functions that use it get it as an argument: a thread's own variables are slow to find.
 struct PixelScratch {
   std::vector<const PixelJob*> long_jobs;
@@ -238,6 +235,7 @@ struct SolveCurved {
     PixelBatch& batch = scratch.batch;
     const int width = int(hn::Lanes(d));
     const Origin origin = origin_of(net);
+    const Vec calm = hn::Set(d, view.calm_step);
     // The step waits for a division and what follows from it: several vectors are under way at once.
     LaneJet jets[kGroup];
     for (int group = 0; group < batch.size; group += kGroup * width) {
@@ -254,13 +252,18 @@ struct SolveCurved {
         const Vec x = hn::LoadU(d, batch.x + k), y = hn::LoadU(d, batch.y + k);
         const Vec from_a = hn::LoadU(d, batch.a + k), from_b = hn::LoadU(d, batch.b + k);
         Point point;
-        newton_step<kRational>(d, view, origin, *jet, x, y, kShadeTolerance, point);
-        if (!hn::AllTrue(d, point.accurate)) {
-          second_step<kN, kM, kRational>(d, view, net, origin, *jet, hn::Add(from_a, point.da),
-                                         hn::Add(from_b, point.db), x, y, point);
+        newton_step<kRational>(d, view, origin, *jet, x, y, point);
+        Mask good = hn::Le(point.step, calm);
+        if (!hn::AllTrue(d, good)) {
+          Verdict verdict = judge(d, view, point, kShadeTolerance);
+          if (!hn::AllTrue(d, verdict.accurate)) {
+            second_step<kN, kM, kRational>(d, view, net, origin, *jet, hn::Add(from_a, point.da),
+                                           hn::Add(from_b, point.db), x, y, point, verdict);
+          }
+          good = hn::And(verdict.accurate, verdict.regular);
         }
         const Vec a = hn::Add(from_a, point.da), b = hn::Add(from_b, point.db);
-        const Mask good = hn::And(hn::And(point.accurate, point.regular), box_at(d, k).contains(a, b));
+        good = hn::And(good, box_at(d, k).contains(a, b));
         store(d, k, a, b, point);
         if (!hn::AllTrue(d, good)) note_failed(d, good, k);
       }
@@ -325,11 +328,12 @@ struct SolveCurved {
       LaneJet jet;
       box.clamp(a, b);
       evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
-      newton_step<kRational>(d, view, origin, jet, x, y, normal_tolerance, point);
+      newton_step<kRational>(d, view, origin, jet, x, y, point);
       a = hn::Add(a, point.da), b = hn::Add(b, point.db);
-      if (iteration == iterations || hn::AllTrue(d, point.accurate)) break;
+      const Verdict verdict = judge(d, view, point, normal_tolerance);
+      if (iteration < iterations && !hn::AllTrue(d, verdict.accurate)) continue;
+      return hn::And(hn::And(verdict.accurate, verdict.regular), box.contains(a, b));
     }
-    return hn::And(hn::And(point.accurate, point.regular), box.contains(a, b));
   }
 
   template <int kN, int kM, bool kRational>

@@ -32,5 +32,7 @@ void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, 
 void solve_hard_pixel(const Scene& scene, const Camera& camera, const Frame& frame, const HardPixel& pixel);
 
 inline constexpr double kPixelTolerance = 1e-11;
+// Largest change of direction, in radians, of the tangents that a normal is made of, as stored and for shading.
+inline constexpr double kNormalTolerance = 3e-8, kShadeTolerance = 1e-4;
 
 }  // namespace nofacet

@@ -65,6 +65,8 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
       if (!same_layout(piece, first, last, level)) inside_.assign(last - first + 1, -1);
     }
     const auto add = [&](const CutPoint& from, const CutPoint& to, std::size_t stretch) {
+      // Trim curves run along the piece's borders but for rounding.
+      if (std::fabs(to.x - from.x) < kNegligiblePixels) return;
       if (inside(piece, level, from, to, stretch)) {
         append_untrimmed(piece, level, arc, first_plane + plane, width, from, to, out);
       }
