@@ -27,6 +27,7 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, median
+from typing import NamedTuple
 
 import nofacet
 from nofacet_viewer.app import App, Options
@@ -42,6 +43,14 @@ QUIET_SECONDS = 1.0  # without anything in the background
 TIMEOUT = 600.0
 
 
+class Shown(NamedTuple):
+    """A picture that was presented. Its pixels are let go, as in use: the next frames want their memory."""
+
+    at: float
+    scale: float
+    seconds: float
+
+
 @dataclass
 class Orbit:
     """What was asked for and shown while the camera moved; times of time.perf_counter()."""
@@ -49,12 +58,12 @@ class Orbit:
     start: float
     seconds: float
     unanswered: list[tuple[float, nofacet.Camera]] = field(default_factory=list)  # inputs
-    shown: list[tuple[float, Exact]] = field(default_factory=list)
+    shown: list[Shown] = field(default_factory=list)
     latencies: list[tuple[float, float]] = field(default_factory=list)  # when the input came, and how long it took
 
     def show(self, exact: Exact, now: float) -> None:
         """A picture is presented: it answers the input with its camera and all before."""
-        self.shown.append((now, exact))
+        self.shown.append(Shown(now, exact.scale, exact.seconds))
         answered = [k for k, (_, camera) in enumerate(self.unanswered) if camera is exact.request.camera]
         if answered:
             self.latencies += [(at, now - at) for at, _ in self.unanswered[: answered[-1] + 1]]
@@ -62,12 +71,12 @@ class Orbit:
 
     def figures(self) -> dict[str, float]:
         settled = self.start + self.seconds / 4
-        shown = [(at, exact) for at, exact in self.shown if at > settled]
+        shown = [picture for picture in self.shown if picture.at > settled]
         latencies = [took for at, took in self.latencies if at > settled]
         return {
-            "frames a second": (len(shown) - 1) / (shown[-1][0] - shown[0][0]),
-            "scale": fmean(exact.scale for _, exact in shown),
-            "frame": 1e3 * median(exact.seconds for _, exact in shown),
+            "frames a second": (len(shown) - 1) / (shown[-1].at - shown[0].at),
+            "scale": fmean(picture.scale for picture in shown),
+            "frame": 1e3 * median(picture.seconds for picture in shown),
             "latency": 1e3 * median(latencies),
             "largest latency": 1e3 * max(latencies),
         }
