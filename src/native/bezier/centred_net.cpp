@@ -124,7 +124,8 @@ class Rest {
   double term(int i, int j) const {
     const double* p = net_.points + 4 * (i * (net_.m + 1) + j);
     double worst = 0.0;
-    for (const int c : {kX, kY, kZ}) worst = std::max(worst, scale_[c] * std::fabs(p[c]) + scale_[kW] * std::fabs(p[kW]));
+    for (const int c : {kX, kY, kZ})
+      worst = std::max(worst, scale_[c] * std::fabs(p[c]) + scale_[kW] * std::fabs(p[kW]));
     return worst * kHalves[i + j];
   }
   // Of the powers n of a, where those of b go up to m; of the powers m of b, where those of a go up to n.
@@ -184,7 +185,8 @@ CentredNet centre_net(const Net& net, double key_scale, double* out) {
     result.error = std::ldexp(reach, net.n + net.m - std::numeric_limits<long double>::digits);
   }
   double least_weight = INFINITY;
-  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) least_weight = std::min(least_weight, p[kW]);
+  for (const double *p = net.points, *end = p + net.size(); p != end; p += 4)
+    least_weight = std::min(least_weight, p[kW]);
   const double scale[4] = {1.0 / least_weight, 1.0 / least_weight,
                            std::max(reach, 0.5 * range[kZ].width() * key_scale) / least_weight,
                            key_scale / least_weight};

@@ -126,7 +126,8 @@ double jacobian_form(const Net& net, bool rational, Component along, Grid out) {
   add_product(1.0, w, w_minor, sum);
   store(sum, out);
   const double weight = largest(w), by_a = largest(wa), by_b = largest(wb);
-  return largest(x) * (largest(ya) * by_b + largest(yb) * by_a) + largest(y) * (largest(xb) * by_a + largest(xa) * by_b) +
+  return largest(x) * (largest(ya) * by_b + largest(yb) * by_a) +
+         largest(y) * (largest(xb) * by_a + largest(xa) * by_b) +
          weight * (largest(xa) * largest(yb) + largest(xb) * largest(ya));
 }
 

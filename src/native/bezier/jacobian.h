@@ -33,8 +33,8 @@ struct JacobianDegrees {
 inline constexpr int kMaxJacobianSize = 9 * kMaxJacobianDegree * kMaxJacobianDegree;
 inline constexpr int kMaxTurnSize = (5 * kMaxJacobianDegree - 1) * (5 * kMaxJacobianDegree - 1);
 
-// Writes J, of y and `along` (kX; with kZ the depth key takes the place of x); `out` has the degrees for it. Returns the
-// size of its terms: its rounding errors are within about 1e-15 of that.
+// Writes J, of y and `along` (kX; with kZ the depth key takes the place of x); `out` has the degrees for it. Returns
+// the size of its terms: its rounding errors are within about 1e-15 of that.
 double jacobian_form(const Net& net, bool rational, Component along, Grid out);
 // Writes J_a y_b - J_b y_a, which has the sign of dJ along the curves y = const, once y_b is positive. Returns the size
 // of its terms, as above.

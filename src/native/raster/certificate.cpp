@@ -115,8 +115,8 @@ double variation(const Grid& grid, bool along_a) {
   return largest * (along_a ? grid.n : grid.m);
 }
 
-// Whether J vanishes at most once along every cut: its turn K has one sign wherever J = 0. That is so if K + c J has one
-// sign all over, for whatever c: c J adds nothing where J = 0.
+// Whether J vanishes at most once along every cut: its turn K has one sign wherever J = 0. That is so if K + c J has
+// one sign all over, for whatever c: c J adds nothing where J = 0.
 bool vanishes_once(const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
   if (clearly_one_signed(turn.range(), scales.turn_terms)) return true;
   double elevated[kMaxTurnSize], sum[kMaxTurnSize];
@@ -136,7 +136,8 @@ bool vanishes_once(const Grid& jacobian, const Grid& turn, const CarriedForms& s
     const double best = c.mid();
     if (!std::isfinite(best)) continue;
     for (std::size_t i = 0; i < turn.size(); ++i) sum[i] = k[i] + best * elevated[i];
-    if (clearly_one_signed(value_range(sum, turn.size()), scales.turn_terms + std::fabs(best) * scales.jacobian_terms)) {
+    if (clearly_one_signed(value_range(sum, turn.size()),
+                           scales.turn_terms + std::fabs(best) * scales.jacobian_terms)) {
       return true;
     }
   }

@@ -218,7 +218,8 @@ void PieceCutter::split_at_folds(const Piece& piece, const double* y) {
       continue;
     }
     // There is one fold between the ends, so what converged between them is it.
-    const bool found = piece.has_accurate_centred_net() && folds_.step[next] < kRootStep && folds_.a[next] > arc.from.a && folds_.a[next] < arc.to.a;
+    const bool found = piece.has_accurate_centred_net() && folds_.step[next] < kRootStep &&
+                       folds_.a[next] > arc.from.a && folds_.a[next] < arc.to.a;
     const CutPoint fold = found ? CutPoint{folds_.a[next], folds_.b[next], folds_.x[next], folds_.key[next], true}
                                 : solve_fold(piece, y[arc.plane], arc.from, arc.to);
     split_.push_back({arc.plane, arc.curve, arc.from, fold});

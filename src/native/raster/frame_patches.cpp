@@ -38,7 +38,8 @@ std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>
   std::vector<std::vector<int32_t>> result(planes.bands());
   for (std::size_t k = 0; k < patches.size(); ++k) {
     const int last = planes.band_of(patches[k].hull.y.hi + 1.0);
-    for (int band = planes.band_of(patches[k].hull.y.lo - 1.0); band <= last; ++band) result[band].push_back(int32_t(k));
+    for (int band = planes.band_of(patches[k].hull.y.lo - 1.0); band <= last; ++band)
+      result[band].push_back(int32_t(k));
   }
   return result;
 }
@@ -48,7 +49,8 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
   place(scene, camera, planes, threads, sections);
   Interval depth = Interval::empty();
   for (const PlacedPatch& placed : patches_) {
-    if (placed.before_eye) depth.include(camera.depth(placed.hull.key.lo)), depth.include(camera.depth(placed.hull.key.hi));
+    if (placed.before_eye)
+      depth.include(camera.depth(placed.hull.key.lo)), depth.include(camera.depth(placed.hull.key.hi));
   }
   if (depth.lo <= depth.hi) depth_tie_ = 1e-11 * depth.magnitude() + 1e-10 * depth.width();
   sort_by_key();

@@ -5,10 +5,10 @@
 namespace nofacet {
 
 struct HullBounds {
-  Interval x, y;    // pixels
-  Interval key;     // depth key
-  KeyPlane plane;   // within its error of the net
-  double lean;      // how far the net leans, x by y ...
+  Interval x, y;     // pixels
+  Interval key;      // depth key
+  KeyPlane plane;    // within its error of the net
+  double lean;       // how far the net leans, x by y ...
   Interval upright;  // ... and x - lean y
 
   // Where scan plane y may meet the net.

@@ -156,8 +156,8 @@ class JobGuesses {
   const Values& b() const { return b_; }
 
  private:
-  static constexpr int kSpacing = 16;       // pixels from knot to knot, on average and at most
-  static constexpr int kSingle = 5;         // a job up to this long has no knots between its ends
+  static constexpr int kSpacing = 16;      // pixels from knot to knot, on average and at most
+  static constexpr int kSingle = 5;        // a job up to this long has no knots between its ends
   static constexpr double kNearEnd = 1.5;  // pixels
 
   // The end of the job, or the span's own, which is known, where that is near; a fold has no slope there.

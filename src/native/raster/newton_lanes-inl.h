@@ -119,14 +119,12 @@ HWY_INLINE Verdict judge(Lanes d, const View& view, const Point& point, double n
   Verdict verdict;
   const Vec one = hn::Set(d, 1.0);
   verdict.reach = hn::Add(one, hn::Add(hn::Abs(point.ux), hn::Abs(point.uy)));
-  const Vec remainder =
-      hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(point.step, point.step)), verdict.reach);
+  const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(point.step, point.step)), verdict.reach);
   // Squares of the tangents' lengths, times W^2.
   const auto square3 = [&](Vec p, Vec q, Vec r) HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
   const Vec a2 = square3(point.fxa, point.fya, point.ka), b2 = square3(point.fxb, point.fyb, point.kb);
   // The tangents, taken before the step, differ from those after it by 2 bend step at most.
-  const Vec turn =
-      hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), point.step), point.weight);
+  const Vec turn = hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), point.step), point.weight);
   verdict.normal_accurate = hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2));
   verdict.accurate = hn::And(verdict.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
   const Vec n2 = hn::Mul(square3(point.ux, point.uy, one), hn::Mul(point.determinant, point.determinant));

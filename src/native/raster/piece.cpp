@@ -307,8 +307,8 @@ bool PieceBuilder::is_planar(const Net& net, Interval key) const {
 
 namespace {
 
-// Bounds of d^2 f / da^2 along the cuts y = const, on which db/da = -y_a / y_b. As y is constant there, f - c y bends as
-// f does, for any c; with c = f_b / y_b how b itself bends drops out.
+// Bounds of d^2 f / da^2 along the cuts y = const, on which db/da = -y_a / y_b. As y is constant there, f - c y bends
+// as f does, for any c; with c = f_b / y_b how b itself bends drops out.
 Interval bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
   const Interval slope = -(y.fa / y.fb), c = f.fb / y.fb;
   return f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope);
@@ -331,7 +331,8 @@ Interval slopes(const Grid& key_jacobian, const Grid& jacobian, double negligibl
   return range;
 }
 
-// The c for which key_jacobian - c jacobian has one sign all over, though the Jacobian has two; empty if there are none.
+// The c for which key_jacobian - c jacobian has one sign all over, though the Jacobian has two; empty if there are
+// none.
 Interval steady_shears(const Grid& key_jacobian, const Grid& jacobian) {
   for (const double sign : {1.0, -1.0}) {
     Interval c{-INFINITY, INFINITY};

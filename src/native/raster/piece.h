@@ -27,7 +27,7 @@ namespace nofacet {
 
 // No scan plane meets a border a = 0 or a = 1 twice; the other two may turn in y, if the piece is not trimmed.
 struct Piece {
-  Net net;  // a = the patch's s and b = its t, or the other way round if transposed
+  Net net;             // a = the patch's s and b = its t, or the other way round if transposed
   CentredNet centred;  // the same net; none if nothing is proved of the piece
   const Scene::PatchRef* patch;
   const Region* region;  // null: not trimmed here
@@ -39,15 +39,15 @@ struct Piece {
   int32_t face;
   double s0, s1, t0, t1;  // the piece in the patch's own parameters
   bool transposed;
-  bool rising;              // Y - y W grows with b
-  bool rational;            // the weights differ; else they are 1
-  bool planar;              // the key plane is exact: its error is below kNegligiblePixels
-  CutKind kind;             // uncertain: as small as kNegligiblePixels, drawn as a point
+  bool rising;    // Y - y W grows with b
+  bool rational;  // the weights differ; else they are 1
+  bool planar;    // the key plane is exact: its error is below kNegligiblePixels
+  CutKind kind;   // uncertain: as small as kNegligiblePixels, drawn as a point
   HullBounds hull;
   Interval key_slope;         // d key / da along a cut
   Interval x_bend, key_bend;  // d^2 x / da^2 and d^2 key / da^2 along a cut
   Interval shears;            // key_is_monotone
-  double bend;  // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
+  double bend;                // a parameter step h is straight on the screen (x, y and depth) to within bend h^2 pixels
   // No tangent along a or b is shorter on the screen, in pixels; 0 if normals may be unsound somewhere.
   double least_tangent;
   double reach;  // an error on the screen grows by less than this factor in depth

@@ -24,7 +24,8 @@ void RowAverage::average(int row, const std::vector<VisibleSegment>& front, cons
   cursors_.assign(lines.size(), 0);
   const std::size_t start = std::size_t(row) * frame_.width;
   for (const FaceRun& run : runs_) {
-    if (frame_.coverage) std::fill_n(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
+    if (frame_.coverage)
+      std::fill_n(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
   }
   for (std::size_t k = 0; k < runs_.size(); ++k) {
     const FaceRun& run = runs_[k];

@@ -57,7 +57,7 @@ class RowAverage {
 
   std::vector<FaceRun> runs_;
   std::vector<std::vector<Stretch>> stretches_;  // of each line
-  std::vector<std::size_t> cursors_;             // of each line: the first stretch that reaches into the pixel, or beyond
+  std::vector<std::size_t> cursors_;  // of each line: the first stretch that reaches into the pixel, or beyond
   std::vector<uint8_t> mixed_;        // (width,)
   std::vector<std::vector<VisibleSegment>> veils_;  // of each line: transparent faces before the opaque ones
   // Of the pixel being averaged.

@@ -312,7 +312,8 @@ struct SolveCurved {
     for (int k = 0; k < part; ++k) {
       const int entry = batch.failed[first + k];
       batch.a[entry] = packed[0][k], batch.b[entry] = packed[1][k], batch.key[entry] = packed[2][k];
-      batch.nx[entry] = float(packed[3][k]), batch.ny[entry] = float(packed[4][k]), batch.nz[entry] = float(packed[5][k]);
+      batch.nx[entry] = float(packed[3][k]), batch.ny[entry] = float(packed[4][k]),
+      batch.nz[entry] = float(packed[5][k]);
       if (sound[0] >> k & 1) continue;
       const PixelJob& job = *batch.run_of(entry).job;
       hard.push_back({job.span, job.row, int(batch.x[entry]), view.values, false, view.frame.uv != nullptr});

@@ -15,7 +15,8 @@ Interval bound_key(const Piece& piece, double a0, double key0, double a1, double
   const Interval run = piece.key_slope * (a1 - a0);
   const Interval from_0{key0 + std::min(0.0, run.lo), key0 + std::max(0.0, run.hi)};
   const Interval from_1{key1 - std::max(0.0, run.hi), key1 - std::min(0.0, run.lo)};
-  const double length = a1 - a0, bend = 0.5 * piece.key_bend.magnitude() * length * length, rise = std::fabs(key1 - key0);
+  const double length = a1 - a0, bend = 0.5 * piece.key_bend.magnitude() * length * length,
+               rise = std::fabs(key1 - key0);
   // A parabola of that bend through both ends; from rise = bend on its vertex is not between them.
   const double beyond = rise < bend ? 0.25 * (bend - rise) * (bend - rise) / bend : 0.0;
   const Interval bent{std::min(key0, key1) - beyond, std::max(key0, key1) + beyond};
@@ -120,8 +121,8 @@ void SpanMaker::append_point(const Piece& piece, const double* y, int count, int
   if (piece.region && !piece.region->contains(u, v)) return;
   for (int k = 0; k < count; ++k) {
     if (!(piece.hull.y.lo <= y[k] && y[k] < piece.hull.y.hi)) continue;
-    out.push_back({&piece, y[k], piece.hull.x.lo, piece.hull.x.hi, 0.5, 0.5, 0.5, 0.5, piece.hull.key.lo, piece.hull.key.lo, piece.hull.key.lo,
-                   piece.hull.key.hi, first_plane + k, false, false, 0});
+    out.push_back({&piece, y[k], piece.hull.x.lo, piece.hull.x.hi, 0.5, 0.5, 0.5, 0.5, piece.hull.key.lo,
+                   piece.hull.key.lo, piece.hull.key.lo, piece.hull.key.hi, first_plane + k, false, false, 0});
   }
 }
 

@@ -31,8 +31,7 @@ struct SolveKeys {
       Vec a, b;
       guess_on_span(d, span, progress.at(d, at), a, b);
       LaneScreen s;
-      const Vec last =
-          solve_on_span<kN, kM, kRational>(d, net, box, at, hn::Set(d, span.y), 8, kSpanKeyStep, a, b, s);
+      const Vec last = solve_on_span<kN, kM, kRational>(d, net, box, at, hn::Set(d, span.y), 8, kSpanKeyStep, a, b, s);
       hn::StoreU(a, d, out.a + k), hn::StoreU(s.key, d, out.key + k), hn::StoreU(last, d, step + k);
     }
   }
