@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "raster/fill.h"
+
 namespace nofacet {
 namespace {
 
@@ -53,6 +55,7 @@ void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& 
   cut_patches();
   watch_.lap(times_.visibility);
   if (planes_.centre()) solve_values();
+  hwy::FlushStream();
   watch_.lap(times_.shade);
   if (!frame_.color && !frame_.coverage) return;
   for (int row = first_row; row < end_row; ++row) {
@@ -217,11 +220,11 @@ void BandPainter::collect_jobs(int row) {
 void BandPainter::fill_background(int row, int first, int last) const {
   if (first >= last) return;
   const std::size_t at = std::size_t(row) * frame_.width + first, count = last - first;
-  if (frame_.depth) std::fill_n(frame_.depth + at, count, INFINITY);
-  if (frame_.face) std::fill_n(frame_.face + at, count, -1);
-  if (frame_.color) std::fill_n(frame_.color + 4 * at, 4 * count, 0.0f);
-  if (frame_.uv) std::fill_n(frame_.uv + 2 * at, 2 * count, 0.0);
-  if (frame_.normal) std::fill_n(frame_.normal + 3 * at, 3 * count, 0.0f);
+  if (frame_.depth) fill(frame_.depth + at, count, double(INFINITY));
+  if (frame_.face) fill(frame_.face + at, count, -1);
+  if (frame_.color) fill(frame_.color + 4 * at, 4 * count, 0.0f);
+  if (frame_.uv) fill(frame_.uv + 2 * at, 2 * count, 0.0);
+  if (frame_.normal) fill(frame_.normal + 3 * at, 3 * count, 0.0f);
 }
 
 // The lines that the row is averaged over, each for the strip of the row that is nearest to it.

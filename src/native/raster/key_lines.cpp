@@ -29,7 +29,7 @@ KeyLines::KeyLines(const Span& span) {
   const double chord = (span.key1 - span.key0) / (span.x1 - span.x0);
   // The chord, to which key - chord x comes back at both ends, or the piece's plane, whichever is closer.
   const Interval error = sag(*span.piece, span.a0, span.a1, chord);
-  if (error.width() <= 2.0 * plane.error) {
+  if (span.piece->kind != CutKind::uncertain && error.width() <= 2.0 * plane.error) {
     add_near(chord, span.x0, span.key0 + error.lo);
     add_far(chord, span.x0, span.key0 + error.hi);
   } else {

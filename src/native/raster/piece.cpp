@@ -226,6 +226,7 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
       Piece piece{};
       piece.kind = CutKind::uncertain;
       piece.hull = {x, y, range[kZ], {range[kZ].mid(), 0.0, 0.0, 0.5 * range[kZ].width()}, 0.0, x};
+      piece.shears = {-INFINITY, INFINITY};
       emit(piece, net, box, arcs);
       return;
     }

@@ -68,6 +68,7 @@ void Sections::add_caps(const Scene& scene) {
     piece.rising = piece.planar = true;
     piece.kind = CutKind::regular;
     piece.key_slope = {plane.by_x * x.width(), plane.by_x * x.width()};
+    piece.shears = {plane.by_x, plane.by_x};
     for (std::size_t body = 0; body < body_count_; ++body) {
       piece.face = scene.cap_face(int(view), int32_t(body));
       caps_.push_back(piece);
