@@ -194,6 +194,13 @@ def test_off_means_off(part: Path, reader: Reader, monkeypatch: pytest.MonkeyPat
     assert len(list((tmp_path / "xdg" / "nofacet").iterdir())) == 1
 
 
+@pytest.mark.parametrize("setting", ["", "on"])
+def test_on_is_the_usual_folder(setting: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv(cache.SETTING, setting)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache.folder() == tmp_path / "nofacet"
+
+
 @pytest.mark.parametrize("folder", ["file", "file/cache"])
 def test_a_folder_that_cannot_be_used_does_no_harm(
     part: Path, reader: Reader, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, folder: str
