@@ -55,13 +55,12 @@ void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& 
   cut_patches();
   watch_.lap(times_.visibility);
   if (planes_.centre()) solve_values();
-  hwy::FlushStream();
   watch_.lap(times_.shade);
-  if (!frame_.color && !frame_.coverage) return;
-  for (int row = first_row; row < end_row; ++row) {
+  for (int row = first_row; row < end_row && (frame_.color || frame_.coverage); ++row) {
     weigh_planes(row);
     average_.average(row, (planes_.centre() ? front(row) : *row_lines_[1]).segments, weighted_);
   }
+  flush_fills();
   watch_.lap(times_.average);
 }
 
@@ -220,7 +219,7 @@ void BandPainter::collect_jobs(int row) {
 void BandPainter::fill_background(int row, int first, int last) const {
   if (first >= last) return;
   const std::size_t at = std::size_t(row) * frame_.width + first, count = last - first;
-  if (frame_.depth) fill(frame_.depth + at, count, double(INFINITY));
+  if (frame_.depth) fill(frame_.depth + at, count, INFINITY);
   if (frame_.face) fill(frame_.face + at, count, -1);
   if (frame_.color) fill(frame_.color + 4 * at, 4 * count, 0.0f);
   if (frame_.uv) fill(frame_.uv + 2 * at, 2 * count, 0.0);
