@@ -178,3 +178,86 @@ def test_surfaces_that_meet_in_an_edge_and_cross_again_beside_it(sign: int) -> N
     expected[(from_edge < 0) | (from_edge > 2)] = -1
     assert (expected == 1).sum() == 1
     np.testing.assert_array_equal(frame.face, np.broadcast_to(expected, frame.face.shape))
+
+
+def bezier(points: np.ndarray, definition: int = 0) -> PatchGroup:
+    """One patch from homogeneous control points."""
+    return PatchGroup(
+        points[None], np.array([definition], np.int32), np.array([[0.0, 1, 0, 1]]), np.ones((1, 2), np.uint8)
+    )
+
+
+def test_weights_that_are_equal_but_for_rounding() -> None:
+    """Subdivision rounds them to 1: forms of a rational patch were then filled as those of a polynomial one."""
+    rng = np.random.default_rng(2)
+    for _ in range(150):
+        size = 10 ** rng.uniform(-1, 0)
+        camera = nofacet.Camera("orthographic", (0, 0, 10), (0, 0, 0), (0, 1, 0), view_height=size)
+        patches = []
+        for _ in range(2):
+            n, m = rng.integers(1, 4, 2)
+            grid = np.stack(
+                np.meshgrid(np.linspace(-1.3, 1.3, n + 1), np.linspace(-1.3, 1.3, m + 1), indexing="ij"), -1
+            )
+            grid = grid * rng.choice([-1, 1], 2) + 0.1 * rng.standard_normal(grid.shape)
+            points = np.concatenate([grid, rng.standard_normal((n + 1, m + 1, 1)), np.ones((n + 1, m + 1, 1))], -1)
+            patches.append(points)
+        faces = []
+        for weight in (1.0, 1.0 - 2.0**-53):
+            for points in patches:
+                points[0, 0] *= weight / points[0, 0, 3]
+            model = model_of([bezier(points, k) for k, points in enumerate(patches)])
+            faces.append(nofacet.render(model, camera, (80, 60), samples=1, buffers=("face",)).face)
+        np.testing.assert_array_equal(faces[0], faces[1])
+
+
+def test_a_silhouette_along_a_parameter_line_at_high_degree() -> None:
+    """A sum of two curves, P(u) + Q(v): where Q runs towards the eye J vanishes for all u. Only v was halved there."""
+    p = np.array(
+        [
+            [0.9281263945568798, -0.8415879990444481, 0.02505088556662999],
+            [0.774701055971149, -0.38567902678985777, 0.1846547115001528],
+            [0.9028823242713505, -0.8759727343948754, 0.17777361457608326],
+        ]
+    )
+    q = np.array(
+        [
+            [0.0, 0.0, 0.0],
+            [-0.2381433765380368, 0.5885745093017179, -0.5548475987698333],
+            [-0.9755586555393922, 0.2848023261786785, -0.1631200237280111],
+            [-1.6745904586518386, 0.5767428979468503, 0.388373458007],
+            [-1.0132128975699398, 0.9791343791746456, 0.339952117507],
+        ]
+    )
+    points = np.concatenate([p[:, None] + q[None], np.ones((3, 5, 1))], -1)
+    camera = nofacet.Camera("orthographic", (0, 0, 10), (0, 0, 0), (0, 1, 0), view_height=3.0)
+    frames = [
+        nofacet.render(model_of([bezier(points)]), camera, RESOLUTION, method=method, samples=1, buffers=("face",))
+        for method in ("bezier_clip_scanline", "bezier_clip_ray")
+    ]
+    assert frames[0].stats["unresolved"] == 0
+    assert frames[0].stats["pieces"] < 1000
+    np.testing.assert_array_equal(frames[0].face, frames[1].face)
+
+
+def test_a_section_plane_that_cuts_a_span_beyond_the_picture() -> None:
+    """The middle of a span lay beyond the picture, and so did the crossing that would have told what is kept."""
+    weights = np.array([[0.79, 0.83, 1.19, 0.80, 1.02], [0.98, 1.11, 0.93, 1.10, 1.03]])
+    y, z = np.meshgrid([-1.0, 1.0], np.linspace(-1, 1, 5), indexing="ij")
+    points = np.stack([np.zeros_like(y), y, z, np.ones_like(y)], -1) * weights[..., None]
+    camera = nofacet.Camera("perspective", (0.37, 0.63, 0.11), (0.0, 0.0, 0.0), (0.94, 0.20, -0.29), view_angle=90.0)
+    section = nofacet.Section((0.287, 0.143, -0.055), (0.49, -0.152, -0.858))
+    frames = [
+        nofacet.render(
+            model_of([bezier(points)]),
+            camera,
+            (80, 60),
+            method=method,
+            samples=1,
+            buffers=("face",),
+            sections=[section],
+        )
+        for method in ("bezier_clip_scanline", "bezier_clip_ray")
+    ]
+    assert (frames[0].face >= 0).any()
+    np.testing.assert_array_equal(frames[0].face, frames[1].face)

@@ -83,6 +83,12 @@ NetBounds rotated_bounds(const Net& net, double* scratch) {
   return NetBounds({net.n, net.m, scratch});
 }
 
+// How much the factors that J is made of change along a: what its interval is wide for, whether or not J itself changes.
+double factor_change(const QuotientBounds& x, const QuotientBounds& y) {
+  return x.faa.magnitude() * y.fb.magnitude() + x.fa.magnitude() * y.fab.magnitude() +
+         x.fab.magnitude() * y.fa.magnitude() + x.fb.magnitude() * y.faa.magnitude();
+}
+
 }  // namespace
 
 Certificate certify_cut(const Net& net, const NetBounds& bounds) {
@@ -90,12 +96,13 @@ Certificate certify_cut(const Net& net, const NetBounds& bounds) {
   if (plain.kind != CutKind::uncertain) return plain;
   double scratch[4 * (kMaxDegree + 1) * (kMaxDegree + 1)];
   const NetBounds rotated = rotated_bounds(net, scratch);
-  const JacobianBounds jacobian(rotated.x, rotated.y);
-  Certificate certificate = best_cut(bounds, jacobian);
+  Certificate certificate = best_cut(bounds, JacobianBounds(rotated.x, rotated.y));
   certificate.graph = grows_with_b(bounds.y) || grows_with_b(transposed_bounds(bounds.y));
   if (certificate.kind == CutKind::uncertain && certificate.graph) {
-    // The cut is a graph and only the sign of J is open: halve what J varies with.
-    certificate.halve = jacobian.ja.magnitude() >= jacobian.jb.magnitude() ? Halve::a : Halve::b;
+    // The cut is a graph and only the sign of J is open: halve what J's interval is wide for.
+    const double by_a = factor_change(rotated.x, rotated.y);
+    const double by_b = factor_change(transposed_bounds(rotated.x), transposed_bounds(rotated.y));
+    certificate.halve = by_a >= by_b ? Halve::a : Halve::b;
   }
   return certificate;
 }

@@ -41,8 +41,9 @@ struct Certificate {
 Certificate certify_cut(const Net& net, const NetBounds& bounds);
 
 // What is known of a patch whose forms are carried along: the size of the terms that they are made of, by which
-// rounding errors are measured, and the least weight.
+// rounding errors are measured, the least weight, and whether the weights differ: the forms' degrees depend on it.
 struct CarriedForms {
+  bool rational = false;
   double jacobian_terms = 0.0, turn_terms = 0.0, weight = 1.0;
 };
 // With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter,

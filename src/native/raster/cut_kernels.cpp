@@ -38,12 +38,12 @@ void BorderRootsOf(const double* points, std::size_t stride, int degree, std::si
   const double y0 = points[kY] / points[kW], y1 = last[kY] / last[kW];
   const Vec from = hn::Set(d, y0), slope = hn::Set(d, 1.0 / (y1 - y0));
   // The guess is the cubic in y with the border's own slopes at both ends, if it is monotone.
-  const auto rate = [&](const double* end, const double* next) {
-    const double by_t = degree * (next[kY] - end[kY] * (next[kW] / end[kW])) / end[kW];
-    const double rate = (y1 - y0) / by_t * (next == points + stride ? 1.0 : -1.0);
+  const auto rate = [&](const double* end, const double* next, double sign) {
+    const double by_t = sign * degree * (next[kY] - end[kY] * (next[kW] / end[kW])) / end[kW];
+    const double rate = (y1 - y0) / by_t;
     return rate >= 0.0 && rate <= 3.0 ? rate : 1.0;
   };
-  const double r0 = rate(points, points + stride), r1 = rate(last, last - stride);
+  const double r0 = rate(points, points + stride, 1.0), r1 = rate(last, last - stride, -1.0);
   const Vec c1 = hn::Set(d, r0), c2 = hn::Set(d, 3.0 - 2.0 * r0 - r1), c3 = hn::Set(d, r0 + r1 - 2.0);
   for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
     const Vec y = hn::LoadU(d, roots.y.data() + k);

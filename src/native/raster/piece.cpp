@@ -141,26 +141,26 @@ void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, const H
 void PieceBuilder::carry_forms(Node& root) {
   const Net& net = root.net;
   if (net.n > kMaxJacobianDegree || net.m > kMaxJacobianDegree) return;
-  bool rational = false;
+  scales_.rational = false;
   scales_.weight = INFINITY;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
     scales_.weight = std::min(scales_.weight, p[kW]);
-    rational |= p[kW] != 1.0;
+    scales_.rational |= p[kW] != 1.0;
   }
   if (!(scales_.weight > 0)) return;
-  const JacobianDegrees degrees(net.n, net.m, rational);
+  const JacobianDegrees degrees(net.n, net.m, scales_.rational);
   root.jacobian = {degrees.j_n, degrees.j_m, nullptr};
   root.turn = {degrees.turn_n, degrees.turn_m, nullptr};
   root.key_jacobian = root.jacobian;
   forms_.resize(2 * root.jacobian.size() + root.turn.size());
   root.jacobian.coefficients = forms_.data();
-  scales_.jacobian_terms = jacobian_form(net, rational, kX, root.jacobian);
+  scales_.jacobian_terms = jacobian_form(net, scales_.rational, kX, root.jacobian);
   const auto [lo, hi] = std::minmax_element(forms_.data(), forms_.data() + root.jacobian.size());
   if (*lo > 0 || *hi < 0) return;  // no folds
   root.turn.coefficients = forms_.data() + root.jacobian.size();
-  scales_.turn_terms = turn_form(net, rational, root.jacobian, root.turn);
+  scales_.turn_terms = turn_form(net, scales_.rational, root.jacobian, root.turn);
   root.key_jacobian.coefficients = root.turn.coefficients + root.turn.size();
-  jacobian_form(net, rational, kZ, root.key_jacobian);
+  jacobian_form(net, scales_.rational, kZ, root.key_jacobian);
 }
 
 void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
@@ -394,8 +394,8 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
     double forms[2 * kMaxJacobianSize];
     Grid jacobian = node.jacobian, key_jacobian = node.jacobian;
     jacobian.coefficients = forms, key_jacobian.coefficients = forms + kMaxJacobianSize;
-    const double terms = jacobian_form(net, piece->rational, kX, jacobian);
-    jacobian_form(net, piece->rational, kZ, key_jacobian);
+    const double terms = jacobian_form(net, scales_.rational, kX, jacobian);
+    jacobian_form(net, scales_.rational, kZ, key_jacobian);
     piece->shears = slopes(key_jacobian, jacobian, kRoundingMargin * terms);
   } else if (piece->kind == CutKind::fold) {
     piece->shears = piece->key_slope.one_signed() ? Interval{0.0, 0.0} : Interval::empty();
@@ -403,6 +403,7 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
     const Interval x_slope = x.fa - (y.fa / y.fb) * x.fb;
     piece->shears = x_slope.one_signed() ? piece->key_slope / x_slope : Interval{-INFINITY, INFINITY};
   }
+  if (piece->kind == CutKind::sliver) piece->shears = {-INFINITY, INFINITY};  // x may turn
   piece->x_bend = bend_along_cut(x, y), piece->key_bend = bend_along_cut(key, y);
   bound_tangents(x, y, key, key_pixels, piece);
   piece->bend = std::max({bounds.x_remainder, bounds.y_remainder, bounds.key_remainder * key_pixels});

@@ -86,7 +86,7 @@ void SectionCuts::remove(const Piece& piece, std::vector<Span>& spans) {
   spans.swap(kept_);
 }
 
-// Splits a span where the section planes cross it, and keeps the stretches whose middles they do not remove.
+// Splits a span where the section planes cross it, and at the picture's borders, and keeps the stretches whose middles they do not remove.
 void SectionCuts::split(const Piece& piece, const Span& span, std::vector<Span>& out) {
   stops_.clear();
   const auto before = [](const Crossing& p, const Crossing& q) {
@@ -100,6 +100,15 @@ void SectionCuts::split(const Piece& piece, const Span& span, std::vector<Span>&
     if (piece.transposed) std::swap(a, b);
     const double progress = (a - span.a0) / (span.a1 - span.a0);
     if (inside(a) && inside(b) && progress > 0.0 && progress < 1.0) stops_.push_back({progress, a, b});
+  }
+  // Beyond the picture's borders a side view does not show all crossings: what lies there is judged by itself.
+  for (const double border : {0.0, double(sections_.camera().width)}) {
+    if (!(span.x0 < border && border < span.x1)) continue;
+    const double share = (border - span.x0) / (span.x1 - span.x0);
+    SurfaceSample sample{span.a0 + share * (span.a1 - span.a0), span.b0 + share * (span.b1 - span.b0), {}};
+    solve_sample(span, border, span.y, &sample);
+    const double progress = (sample.a - span.a0) / (span.a1 - span.a0);
+    if (progress > 0.0 && progress < 1.0) stops_.push_back({progress, sample.a, sample.b});
   }
   std::sort(stops_.begin(), stops_.end(), [](const Stop& p, const Stop& q) { return p.progress < q.progress; });
   CutPoint from{span.a0, span.b0, span.x0, span.key0, span.fold0};
