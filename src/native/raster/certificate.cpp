@@ -83,7 +83,8 @@ NetBounds rotated_bounds(const Net& net, double* scratch) {
   return NetBounds({net.n, net.m, scratch});
 }
 
-// How much the factors that J is made of change along a: what its interval is wide for, whether or not J itself changes.
+// How much the factors that J is made of change along a: what its interval is wide for, whether or not J itself
+// changes.
 double factor_change(const QuotientBounds& x, const QuotientBounds& y) {
   return x.faa.magnitude() * y.fb.magnitude() + x.fa.magnitude() * y.fab.magnitude() +
          x.fab.magnitude() * y.fa.magnitude() + x.fb.magnitude() * y.faa.magnitude();

@@ -86,7 +86,8 @@ void SectionCuts::remove(const Piece& piece, std::vector<Span>& spans) {
   spans.swap(kept_);
 }
 
-// Splits a span where the section planes cross it, and at the picture's borders, and keeps the stretches whose middles they do not remove.
+// Splits a span where the section planes cross it, and at the picture's borders, and keeps the stretches whose middles
+// they do not remove.
 void SectionCuts::split(const Piece& piece, const Span& span, std::vector<Span>& out) {
   stops_.clear();
   const auto before = [](const Crossing& p, const Crossing& q) {
