@@ -112,7 +112,10 @@ void ScanLine::covered(double width, std::vector<Interval>& out) const {
 }
 
 void merge_stretches(std::vector<Interval>& stretches) {
-  std::sort(stretches.begin(), stretches.end(), [](const Interval& p, const Interval& q) { return p.lo < q.lo; });
+  const auto before = [](const Interval& p, const Interval& q) { return p.lo < q.lo; };
+  if (!std::is_sorted(stretches.begin(), stretches.end(), before)) {  // mostly they are
+    std::sort(stretches.begin(), stretches.end(), before);
+  }
   std::size_t kept = 0;
   for (const Interval& next : stretches) {
     // Neighbouring faces meet but for rounding.

@@ -77,19 +77,31 @@ class PortionCrossings {
 }  // namespace
 
 void find_trim_crossings(const Piece& piece, const double* y, int count, std::vector<TrimCrossing>& out) {
-  out.clear();
+  struct Crossed {
+    int portion, first, last;  // planes
+    PortionCrossings crossings;
+  };
+  std::vector<Crossed> crossed;
+  crossed.reserve(piece.portion_count);
   for (int k = 0; k < piece.portion_count; ++k) {
     const TrimPortion& portion = piece.portions[k];
     const double lo = std::min(portion.from.y, portion.to.y), hi = std::max(portion.from.y, portion.to.y);
     if (hi <= y[0] || lo > y[count - 1]) continue;
     // Half-open, as (y0 <= y) != (y1 <= y).
     const int first = int(std::lower_bound(y, y + count, lo) - y), last = int(std::lower_bound(y, y + count, hi) - y);
-    PortionCrossings crossings(piece, portion);
-    for (int plane = first; plane < last; ++plane) out.push_back({plane, k, crossings.next(y[plane])});
+    if (first < last) crossed.push_back({k, first, last, PortionCrossings(piece, portion)});
   }
-  std::sort(out.begin(), out.end(), [](const TrimCrossing& p, const TrimCrossing& q) {
-    return p.plane != q.plane ? p.plane < q.plane : p.point.a < q.point.a;
-  });
+  out.clear();
+  for (int plane = 0; plane < count; ++plane) {
+    const std::size_t start = out.size();
+    for (Crossed& portion : crossed) {
+      if (plane < portion.first || plane >= portion.last) continue;
+      out.push_back({plane, portion.portion, portion.crossings.next(y[plane])});
+      for (std::size_t k = out.size() - 1; k > start && out[k].point.a < out[k - 1].point.a; --k) {
+        std::swap(out[k], out[k - 1]);
+      }
+    }
+  }
 }
 
 }  // namespace nofacet
