@@ -115,6 +115,7 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
   out.determinant = determinant, out.inverse = inverse, out.weight = weight;
 }
 
+// `normal_tolerance`: how far the tangents may turn after they are taken, in radians.
 HWY_INLINE Verdict judge(Lanes d, const View& view, const Point& point, double normal_tolerance) {
   Verdict verdict;
   const Vec one = hn::Set(d, 1.0);
