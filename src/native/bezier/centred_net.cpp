@@ -59,8 +59,6 @@ HWY_EXPORT(Convert);
 
 namespace {
 
-constexpr double kPlainError = 2e-9;  // beyond it the conversion takes more than double precision
-
 // power[k * (n + 1) + i]: coefficient of (t - 1/2)^k in the Bernstein polynomial B_i^n. All are exact.
 struct Conversion {
   std::vector<double> power;
@@ -177,7 +175,8 @@ CentredNet centre_net(const Net& net, double key_scale, double* out) {
   const Conversion &in_a = conversion(net.n), &in_b = conversion(net.m);
   CentredNet result{net.n, net.m, out, centre[kX], centre[kY], centre[kZ], 0.0};
   result.error = std::ldexp(reach, net.n + net.m - 52);
-  if (result.error < kPlainError) {
+  // Beyond that the conversion takes more than double precision.
+  if (result.error < kCentredError) {
     double rows[4 * (kMaxDegree + 1) * (kMaxDegree + 1)];
     HWY_DYNAMIC_DISPATCH(Convert)(net, in_a.power.data(), in_b.power.data(), centre, rows, out);
   } else {

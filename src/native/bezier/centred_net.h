@@ -18,6 +18,8 @@ struct CentredNet {
 // Highest powers that together move no point of the net by more than kCentredRest, in x, y, and the key times
 // `key_scale`, are left out. `out` has room for the net; all weights must be positive.
 inline constexpr double kCentredRest = 1e-12;
+// With an error below this a centred net is as good as the net itself, in pixels.
+inline constexpr double kCentredError = 2e-9;
 CentredNet centre_net(const Net& net, double key_scale, double* out);
 
 }  // namespace nofacet

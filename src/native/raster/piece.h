@@ -55,7 +55,7 @@ struct Piece {
   // Whether key - c x moves one way along every cut: if c is no slope of key by x there.
   bool key_is_monotone(double c) const { return (shears.lo <= c && c <= shears.hi) == (kind == CutKind::fold); }
   // Whether points of the centred net are as good as those of the net itself.
-  bool has_accurate_centred_net() const { return centred.error < 2e-9; }  // pixels
+  bool has_accurate_centred_net() const { return centred.error < kCentredError; }
   // The face's (u, v) at (a, b), and back.
   void face_from_local(double a, double b, double* u, double* v) const {
     if (transposed) std::swap(a, b);

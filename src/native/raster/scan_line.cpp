@@ -17,7 +17,7 @@ Interval sheared_key(const Span& span, double c, double origin) {
 }
 
 // Bounds of key - c (x - x[k]) along a span between two of its points.
-Interval key_between(const Span& span, const SpanKeys& keys, const double* x, int k, double c) {
+Interval sheared_key_between(const Span& span, const SpanKeys& keys, const double* x, int k, double c) {
   const double length = x[k + 1] - x[k], k0 = keys.key[k], k1 = keys.key[k + 1] - c * length;
   const Interval ends{std::min(k0, k1), std::max(k0, k1)};
   const Piece& piece = *span.piece;
@@ -285,7 +285,8 @@ bool Visibility::compare_points(const Span& fresh, const Span& old, double x0, d
       return span.key_between(keys.a[k], keys.key[k], keys.a[k + 1], keys.key[k + 1]);
     };
     const Span* nearer = decide(plain(fresh, f), plain(old, o), tie, fresh, old);
-    if (!nearer) nearer = decide(key_between(fresh, f, x, k, c), key_between(old, o, x, k, c), tie, fresh, old);
+    if (!nearer)
+      nearer = decide(sheared_key_between(fresh, f, x, k, c), sheared_key_between(old, o, x, k, c), tie, fresh, old);
     if (nearer) {
       shown |= show(nearer, fresh, x[k], x[k + 1]);
     } else if (x[k + 1] - x[k] > kFinestInterval && !linear) {
