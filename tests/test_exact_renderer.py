@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -164,3 +166,14 @@ def test_the_end_of_a_motion_is_not_waited_for_where_it_is_known(
     collector.renderer.rest(moved)  # and where it is known from the beginning
     collector.wait(lambda: collector.frames[-1].request == moved and collector.frames[-1].is_full)
     collector.renderer.stop()
+
+
+def test_a_program_may_end_while_a_frame_is_drawn() -> None:
+    """It was aborted: the thread that drew came back to an interpreter that was gone."""
+    code = (
+        "import time, nofacet; from nofacet_viewer.exact import ExactRenderer, Request;"
+        f"model = nofacet.load({str(FLANGE)!r}); camera = nofacet.Camera.fit(model);"
+        "ExactRenderer().show(Request(model, camera, (4000, 4000))); time.sleep(0.2)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (result.returncode, result.stderr) == (0, "")

@@ -9,6 +9,7 @@ Frames come with their pixels as the window shows them, so that its thread has n
 
 from __future__ import annotations
 
+import atexit
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -96,6 +97,7 @@ class ExactRenderer:
         self._stopped = False
         self._thread = threading.Thread(target=self._run, name="exact picture", daemon=True)
         self._thread.start()
+        atexit.register(self.stop)  # the interpreter must not go while a frame is drawn
 
     def show(self, request: Request | None) -> None:
         """Draw this from now on; None: nothing. Asking for what is shown already changes nothing."""
@@ -124,6 +126,7 @@ class ExactRenderer:
 
     def stop(self) -> None:
         """End the thread; returns once it has ended."""
+        atexit.unregister(self.stop)
         with self._changed:
             self._stopped = True
             self._cancel.set()
