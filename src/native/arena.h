@@ -30,18 +30,14 @@ class Arena {
   void reuse() { block_ = used_ = 0; }
 
  private:
-  // Blocks double up to a huge page; those are kept for the next frame, for fresh pages cost as much as their use.
+  // Blocks double up to a huge page.
   static constexpr std::size_t kFirstBytes = 1 << 16, kLargestBytes = BufferPool::kPage;
 
   struct Release {
     std::size_t bytes = 0;
 
     void operator()(std::byte* memory) const {
-      if (bytes >= kLargestBytes) {
-        BufferPool::instance().give_back(memory, bytes);
-      } else {
-        ::operator delete(memory);
-      }
+      BufferPool::instance().give_back(memory, bytes);
     }
   };
   struct Block {
@@ -52,7 +48,7 @@ class Arena {
   void add_block(std::size_t count) {
     const std::size_t usual = std::min(kFirstBytes << std::min<std::size_t>(blocks_.size(), 16), kLargestBytes);
     const std::size_t bytes = std::max(usual, count * sizeof(T));
-    void* memory = bytes >= kLargestBytes ? BufferPool::instance().take(bytes) : ::operator new(bytes);
+    void* memory = BufferPool::instance().take(bytes);
     blocks_.push_back({{static_cast<std::byte*>(memory), Release{bytes}}, bytes / sizeof(T)});
   }
 

@@ -1,7 +1,9 @@
-// Memory for frame buffers and large arenas, kept for the next frame: fresh pages cost as much to fault in as to fill.
+// Memory for frame buffers and arenas, kept for the next frame: fresh pages cost as much to fault in as to fill.
 #pragma once
 #include <sys/mman.h>
 
+#include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <map>
 #include <mutex>
@@ -11,7 +13,7 @@ namespace nofacet {
 
 class BufferPool {
  public:
-  static constexpr std::size_t kPage = 1 << 21;  // a huge page; what is taken is a multiple of it
+  static constexpr std::size_t kPage = 1 << 21;  // a huge page; what is taken is a multiple of it, or a power of 2
 
   static BufferPool& instance() {
     static BufferPool* pool = new BufferPool;  // outlives every buffer, whatever the order of destruction at exit
@@ -29,10 +31,10 @@ class BufferPool {
         return memory;
       }
     }
-    void* memory = std::aligned_alloc(kPage, size);
+    void* memory = std::aligned_alloc(size < kPage ? kLine : kPage, size);
     if (!memory) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-    madvise(memory, size, MADV_HUGEPAGE);
+    if (size >= kPage) madvise(memory, size, MADV_HUGEPAGE);
 #endif
     return memory;
   }
@@ -56,9 +58,12 @@ class BufferPool {
   }
 
  private:
+  static constexpr std::size_t kLine = 64;               // bytes of the caches
   static constexpr std::size_t kMostIdle = 512u << 20;  // bytes; two frames of 4K with all buffers
 
-  static std::size_t rounded(std::size_t bytes) { return (bytes + kPage - 1) / kPage * kPage; }
+  static std::size_t rounded(std::size_t bytes) {
+    return bytes < kPage ? std::bit_ceil(std::max(bytes, kLine)) : (bytes + kPage - 1) / kPage * kPage;
+  }
 
   std::mutex mutex_;
   std::multimap<std::size_t, void*> idle_;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-#include "raster/fill.h"
+#include "raster/stream.h"
 
 namespace nofacet {
 namespace {
@@ -60,7 +60,7 @@ void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& 
     weigh_planes(row);
     average_.average(row, (planes_.centre() ? front(row) : *row_lines_[1]).segments, weighted_);
   }
-  flush_fills();
+  flush_streams();
   watch_.lap(times_.average);
 }
 
@@ -219,11 +219,11 @@ void BandPainter::collect_jobs(int row) {
 void BandPainter::fill_background(int row, int first, int last) const {
   if (first >= last) return;
   const std::size_t at = std::size_t(row) * frame_.width + first, count = last - first;
-  if (frame_.depth) fill(frame_.depth + at, count, INFINITY);
-  if (frame_.face) fill(frame_.face + at, count, -1);
-  if (frame_.color) fill(frame_.color + 4 * at, 4 * count, 0.0f);
-  if (frame_.uv) fill(frame_.uv + 2 * at, 2 * count, 0.0);
-  if (frame_.normal) fill(frame_.normal + 3 * at, 3 * count, 0.0f);
+  if (frame_.depth) fill_stretch(frame_.depth + at, count, INFINITY);
+  if (frame_.face) fill_stretch(frame_.face + at, count, -1);
+  if (frame_.color) fill_stretch(frame_.color + 4 * at, 4 * count, 0.0f);
+  if (frame_.uv) fill_stretch(frame_.uv + 2 * at, 2 * count, 0.0);
+  if (frame_.normal) fill_stretch(frame_.normal + 3 * at, 3 * count, 0.0f);
 }
 
 // The lines that the row is averaged over, each for the strip of the row that is nearest to it.

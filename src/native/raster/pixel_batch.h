@@ -1,7 +1,8 @@
 // Pixels on their way through the solver: a few hundred at a time, so that all of it stays in the cache.
 #pragma once
+#include <algorithm>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include "raster/solve_pixels.h"
 
@@ -24,16 +25,21 @@ struct PixelBatch {
   alignas(64) float nx[kRoom], ny[kRoom], nz[kRoom];
   alignas(64) float pixel_x[kRoom], pixel_y[kRoom];  // centres, where shading needs them
   alignas(64) float color[4 * kRoom];
-  std::vector<BatchRun> runs;
-  int size = 0;
+  BatchRun runs[kSize];
+  int size = 0, run_count = 0;
   int failed[kRoom];  // entries that need more steps
   int failed_count = 0;
 
   int room() const { return kSize - size; }
-  void clear() {
-    runs.clear();
-    size = failed_count = 0;
+  void clear() { size = run_count = failed_count = 0; }
+  // Appends as many of the job's pixels as there is room for, from `first` on, but for their values.
+  const BatchRun& add(const PixelJob& job, int first) {
+    BatchRun& run = runs[run_count++];
+    run.job = &job, run.first = first, run.last = first + std::min(job.last - first, room()), run.offset = size;
+    size += run.last - first;
+    return run;
   }
+  std::span<const BatchRun> all_runs() const { return {runs, std::size_t(run_count)}; }
   // The run that an entry belongs to.
   const BatchRun& run_of(int entry) const {
     std::size_t k = 0;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "raster/shade.h"
+#include "raster/stream.h"
 
 namespace nofacet {
 RowAverage::RowAverage(const Scene& scene, const Camera& camera, const Frame& frame, Visibility& visibility)
@@ -25,7 +26,7 @@ void RowAverage::average(int row, const std::vector<VisibleSegment>& front, cons
   const std::size_t start = std::size_t(row) * frame_.width;
   for (const FaceRun& run : runs_) {
     if (frame_.coverage)
-      std::fill_n(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
+      fill_stretch(frame_.coverage + start + run.first, run.last - run.first, run.face >= 0 ? 1.0f : 0.0f);
   }
   for (std::size_t k = 0; k < runs_.size(); ++k) {
     const FaceRun& run = runs_[k];

@@ -9,6 +9,7 @@
 #include "light.h"
 #include "raster/newton_lanes-inl.h"
 #include "raster/pixel_batch.h"
+#include "raster/stream.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace nofacet {
@@ -63,7 +64,7 @@ HWY_INLINE Shade shade_lanes(const View& view, FloatVec fx, FloatVec fy, FloatVe
 HWY_INLINE void shade_batch(const View& view, PixelBatch& batch) {
   const FloatLanes df;
   const int width = int(hn::Lanes(df));
-  for (const BatchRun& run : batch.runs) {
+  for (const BatchRun& run : batch.all_runs()) {
     if (!view.camera.perspective) break;
     for (int k = 0; k < run.last - run.first; ++k) {
       batch.pixel_x[run.offset + k] = float(run.first + k) + 0.5f;
@@ -95,7 +96,7 @@ HWY_INLINE void write_normals(Lanes d, const View& view, std::size_t at, int cou
 // Writes the depths of `count` pixels.
 HWY_INLINE void write_depths(const View& view, std::size_t at, int count, double* key) {
   for (int k = 0; k < count && view.camera.perspective; ++k) key[k] = -1.0 / key[k];
-  std::copy_n(key, count, view.frame.depth + at);
+  copy_stretch(key, count, view.frame.depth + at);
 }
 
 }  // namespace HWY_NAMESPACE

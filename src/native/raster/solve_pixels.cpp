@@ -13,6 +13,7 @@
 #include "raster/pixel_batch.h"
 #include "raster/shade.h"
 #include "raster/shade_lanes-inl.h"
+#include "raster/stream.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace nofacet {
@@ -39,11 +40,11 @@ struct PixelScratch {
 // Writes what the batch holds but for uv and normals, which are solved once more.
 void write_batch(const View& view, PixelBatch& batch) {
   if (view.frame.color) shade_batch(view, batch);
-  for (const BatchRun& run : batch.runs) {
+  for (const BatchRun& run : batch.all_runs()) {
     const std::size_t at = std::size_t(run.job->row) * view.frame.width + run.first;
     const int length = run.last - run.first;
     if (view.frame.depth) write_depths(view, at, length, batch.key + run.offset);
-    if (view.frame.color) std::copy_n(batch.color + 4 * run.offset, 4 * length, view.frame.color + 4 * at);
+    if (view.frame.color) copy_stretch(batch.color + 4 * run.offset, 4 * length, view.frame.color + 4 * at);
   }
 }
 
@@ -65,14 +66,14 @@ HWY_NOINLINE void SolvePlanar(const View& view, const PixelJob* jobs, std::size_
     const double level = plane.at + plane.by_y * (job->row + 0.5);
     for (int px = job->first; px < job->last;) {
       if (batch.room() == 0) write_batch(view, batch), batch.clear();
-      const int part = std::min(batch.room(), job->last - px);
-      batch.runs.push_back({job, px, px + part, batch.size});
-      for (int k = 0; k < part; ++k) batch.key[batch.size + k] = plane.by_x * (px + k + 0.5) + level;
+      const BatchRun& run = batch.add(*job, px);
+      const int part = run.last - px;
+      for (int k = 0; k < part; ++k) batch.key[run.offset + k] = plane.by_x * (px + k + 0.5) + level;
       const std::size_t at = std::size_t(job->row) * view.frame.width + px;
       for (int k = 0; k < part && view.frame.normal; k += width) {
         write_normals(d, view, at + k, std::min(width, part - k), hn::Set(d, nx), hn::Set(d, ny), hn::Set(d, nz));
       }
-      batch.size += part, px += part;
+      px += part;
     }
   }
   write_batch(view, batch);
@@ -102,7 +103,7 @@ struct SolveCurved {
       }
       for (int px = job->first; px < job->last;) {
         if (batch.room() == 0) finish_short<kN, kM, kRational>(coarse_net);
-        const BatchRun run = add_run(*job, px);
+        const BatchRun& run = add_run(*job, px);
         guess_evenly(run);
         px = run.last;
       }
@@ -114,7 +115,7 @@ struct SolveCurved {
       GuessedJob guessed(guesses, j, *scratch.long_jobs[j]);
       while (!guessed.done()) {
         if (batch.room() == 0) finish<kN, kM, kRational>();
-        const BatchRun run = add_run(guessed.job, guessed.px);
+        const BatchRun& run = add_run(guessed.job, guessed.px);
         guessed.guess_until(run.last, batch.a + run.offset, batch.b + run.offset);
       }
     }
@@ -125,14 +126,12 @@ struct SolveCurved {
   static constexpr int kGroup = 8;    // vectors
   static constexpr int kWidest = 16;  // numbers in a register, at most
 
-  // Appends as many pixels of the job as there is room for, from `first` on, but for their parameters.
-  HWY_INLINE BatchRun add_run(const PixelJob& job, int first) const {
+  // Appends pixels to the batch: their centres and where their parameters may lie.
+  HWY_INLINE const BatchRun& add_run(const PixelJob& job, int first) const {
     const Lanes d;
     PixelBatch& batch = scratch.batch;
-    const int length = std::min(job.last - first, batch.room());
-    const BatchRun run{&job, first, first + length, batch.size};
-    batch.runs.push_back(run);
-    batch.size += length;
+    const BatchRun& run = batch.add(job, first);
+    const int length = run.last - first;
     const Span& span = *job.span;
     const Vec y = hn::Set(d, job.row + 0.5);
     const Vec lo = hn::Set(d, std::min(span.a0, span.a1)), hi = hn::Set(d, std::max(span.a0, span.a1));
@@ -217,7 +216,7 @@ struct SolveCurved {
     take_steps<kN, kM, kRational>();
     for (int k = 0; k < batch.failed_count; k += int(hn::Lanes(Lanes()))) retry<kN, kM, kRational>(k);
     if (view.values) write_batch(view, batch);
-    for (const BatchRun& run : batch.runs) {
+    for (const BatchRun& run : batch.all_runs()) {
       if (view.frame.uv) write_uv(run, batch);
       if (view.values && view.frame.normal) solve_normals<kN, kM, kRational>(run);
     }
@@ -396,7 +395,7 @@ void solve_pixels(const Scene& scene, const Camera& camera, const Frame& frame, 
                   const PixelJob* jobs, std::size_t count, std::vector<HardPixel>& hard) {
   for (const PixelJob *job = jobs, *end = jobs + count; job != end && frame.face; ++job) {
     int32_t* row = frame.face + std::size_t(job->row) * frame.width;
-    std::fill_n(row + job->first, job->last - job->first, scene.face_number(piece.face));
+    fill_stretch(row + job->first, job->last - job->first, scene.face_number(piece.face));
   }
   if (!frame.depth && !frame.color && !frame.uv && !frame.normal) return;
   if ((piece.kind > CutKind::fold || is_tiny(piece)) && !piece.planar) {
