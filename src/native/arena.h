@@ -36,9 +36,7 @@ class Arena {
   struct Release {
     std::size_t bytes = 0;
 
-    void operator()(std::byte* memory) const {
-      BufferPool::instance().give_back(memory, bytes);
-    }
+    void operator()(std::byte* memory) const { BufferPool::instance().give_back(memory, bytes); }
   };
   struct Block {
     std::unique_ptr<std::byte[], Release> memory;

@@ -58,7 +58,7 @@ class BufferPool {
   }
 
  private:
-  static constexpr std::size_t kLine = 64;               // bytes of the caches
+  static constexpr std::size_t kLine = 64;              // bytes of the caches
   static constexpr std::size_t kMostIdle = 512u << 20;  // bytes; two frames of 4K with all buffers
 
   static std::size_t rounded(std::size_t bytes) {

@@ -131,7 +131,8 @@ class JobGuesses {
       add_end(*job, true);
     }
     ends_.solve<kN, kM, kRational>(net);
-    for (std::size_t j = 0; j < jobs.size(); ++j) place_inner(*jobs[j], 2 * j);
+    constexpr int spacing = kN < 0 ? kSpacingCostly : kSpacing;
+    for (std::size_t j = 0; j < jobs.size(); ++j) place_inner(*jobs[j], 2 * j, spacing);
     inner_.solve<kN, kM, kRational>(net);
     a_.clear(), b_.clear();
     for (std::size_t j = 0; j < jobs.size(); ++j) assemble(courses_[j], 2 * j);
@@ -156,9 +157,10 @@ class JobGuesses {
   const Values& b() const { return b_; }
 
  private:
-  static constexpr int kSpacing = 16;      // pixels from knot to knot, on average and at most
-  static constexpr int kSingle = 5;        // a job up to this long has no knots between its ends
-  static constexpr double kNearEnd = 1.5;  // pixels
+  static constexpr int kSpacing = 16;        // pixels from knot to knot, on average and at most
+  static constexpr int kSpacingCostly = 12;  // where a second step costs more than a knot
+  static constexpr int kSingle = 5;          // a job up to this long has no knots between its ends
+  static constexpr double kNearEnd = 1.5;    // pixels
 
   // The end of the job, or the span's own, which is known, where that is near; a fold has no slope there.
   void add_end(const PixelJob& job, bool right) {
@@ -172,9 +174,9 @@ class JobGuesses {
     ends_.add(job, x, span.a0 + p * (span.a1 - span.a0), span.b0 + p * (span.b1 - span.b0));
   }
 
-  void place_inner(const PixelJob& job, std::size_t end) {
+  void place_inner(const PixelJob& job, std::size_t end, int spacing) {
     const double length = ends_.x[end + 1] - ends_.x[end];
-    const int intervals = length < kSingle ? 1 : std::max(2, int(std::ceil(length / kSpacing)));
+    const int intervals = length < kSingle ? 1 : std::max(2, int(std::ceil(length / spacing)));
     const Progress progress(ends_.x[end], length, ends_.a_by_x[end], ends_.a_by_x[end + 1]);
     courses_.push_back({progress, intervals, inner_.x.size(), 0});
     if (intervals == 1) return;

@@ -71,9 +71,7 @@ HWY_EXPORT(CopyFloats);
 void stream(double value, std::size_t count, double* out) { HWY_DYNAMIC_DISPATCH(FillDoubles)(value, count, out); }
 void stream(float value, std::size_t count, float* out) { HWY_DYNAMIC_DISPATCH(FillFloats)(value, count, out); }
 void stream(int32_t value, std::size_t count, int32_t* out) { HWY_DYNAMIC_DISPATCH(FillIntegers)(value, count, out); }
-void stream(const double* from, std::size_t count, double* out) {
-  HWY_DYNAMIC_DISPATCH(CopyDoubles)(from, count, out);
-}
+void stream(const double* from, std::size_t count, double* out) { HWY_DYNAMIC_DISPATCH(CopyDoubles)(from, count, out); }
 void stream(const float* from, std::size_t count, float* out) { HWY_DYNAMIC_DISPATCH(CopyFloats)(from, count, out); }
 void flush_streams() { hwy::FlushStream(); }
 
