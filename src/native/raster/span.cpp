@@ -52,7 +52,7 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
     }
     return;
   }
-  find_trim_crossings(piece, y, count, crossings_);
+  const std::vector<TrimCrossing>& crossings = crosser_.cross(piece, y, count);
   next_event_ = 0;
   inside_.clear();
   std::size_t first = 0, last = 0;  // crossings of the plane
@@ -61,9 +61,9 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
     const double level = y[arc.plane];
     if (arc.plane != plane) {
       plane = arc.plane;
-      for (first = last; first < crossings_.size() && crossings_[first].plane < plane;) ++first;
-      for (last = first; last < crossings_.size() && crossings_[last].plane == plane;) ++last;
-      if (!same_layout(piece, first, last, level)) inside_.assign(last - first + 1, -1);
+      for (first = last; first < crossings.size() && crossings[first].plane < plane;) ++first;
+      for (last = first; last < crossings.size() && crossings[last].plane == plane;) ++last;
+      if (!same_layout(piece, {crossings.data() + first, last - first}, level)) inside_.assign(last - first + 1, -1);
     }
     const auto add = [&](const CutPoint& from, const CutPoint& to, std::size_t stretch) {
       // Trim curves run along the piece's borders but for rounding.
@@ -74,7 +74,7 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
     };
     CutPoint from = arc.from;
     for (std::size_t k = first; k < last; ++k) {
-      const CutPoint& crossing = crossings_[k].point;
+      const CutPoint& crossing = crossings[k].point;
       if (crossing.a <= from.a) continue;
       if (crossing.a >= arc.to.a) {
         add(from, arc.to, k - first);
@@ -88,15 +88,15 @@ void SpanMaker::append(const Piece& piece, const double* y, int count, int first
   }
 }
 
-// Whether the plane y, which has the crossings [first, last), is cut as the plane before it was.
-bool SpanMaker::same_layout(const Piece& piece, std::size_t first, std::size_t last, double y) {
+// Whether the plane y, which has these crossings, is cut as the plane before it was.
+bool SpanMaker::same_layout(const Piece& piece, std::span<const TrimCrossing> crossings, double y) {
   bool same = !inside_.empty() && (next_event_ == piece.event_count || piece.events[next_event_] > y);
   while (next_event_ < piece.event_count && piece.events[next_event_] <= y) ++next_event_;
-  same &= layout_.size() == last - first;
-  for (std::size_t k = first; same && k < last; ++k) same = layout_[k - first] == crossings_[k].portion;
+  same &= layout_.size() == crossings.size();
+  for (std::size_t k = 0; same && k < crossings.size(); ++k) same = layout_[k] == crossings[k].portion;
   if (same) return true;
   layout_.clear();
-  for (std::size_t k = first; k < last; ++k) layout_.push_back(crossings_[k].portion);
+  for (const TrimCrossing& crossing : crossings) layout_.push_back(crossing.portion);
   return false;
 }
 

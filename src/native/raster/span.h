@@ -1,5 +1,6 @@
 // Spans: what a scan plane shows of one piece, inside its trim loops.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "raster/cut.h"
@@ -42,11 +43,11 @@ class SpanMaker {
  private:
   void append_point(const Piece& piece, const double* y, int count, int first_plane, int width,
                     std::vector<Span>& out) const;
-  bool same_layout(const Piece& piece, std::size_t first, std::size_t last, double y);
+  bool same_layout(const Piece& piece, std::span<const TrimCrossing> crossings, double y);
   bool inside(const Piece& piece, double y, const CutPoint& from, const CutPoint& to, std::size_t stretch);
 
   PieceCutter cutter_;
-  std::vector<TrimCrossing> crossings_;
+  TrimCrosser crosser_;
   // Which stretches of a plane, between one crossing and the next, are inside. It stays the same from plane to plane
   // while they meet the same portions in the same order and no portion begins or ends between them.
   std::vector<signed char> inside_;  // 1, 0, or -1: not known

@@ -3,105 +3,89 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raster/trim_roots.h"
+
 namespace nofacet {
 namespace {
-
-constexpr double kLastStep = 1e-7;  // of the portion's range of t
 
 CutPoint between(const TrimPoint& p, const TrimPoint& q, double y) {
   const double f = (y - p.y) / (q.y - p.y);
   return {p.a + f * (q.a - p.a), p.b + f * (q.b - p.b), p.x + f * (q.x - p.x), p.key + f * (q.key - p.key)};
 }
 
-// The cubic through both points with their slopes, for t as a function of y.
-double hermite(const TrimPoint& p, const TrimPoint& q, double y) {
-  const double height = q.y - p.y, f = (y - p.y) / height, g = 1.0 - f;
-  const double p_slope = height / p.yt, q_slope = height / q.yt;
-  return g * g * ((1.0 + 2.0 * f) * p.t + f * p_slope) + f * f * ((1.0 + 2.0 * g) * q.t - g * q_slope);
-}
-
-// On from q with its slope, which changes as it did from p to q.
-double extrapolate(const TrimPoint& p, const TrimPoint& q, double y) {
-  const double rate = 1.0 / q.yt, height = y - q.y;
-  return q.t + height * (rate + 0.5 * height * (rate - 1.0 / p.yt) / (q.y - p.y));
-}
-
-// Where the portion crosses the plane.
-TrimPoint solve(const Piece& piece, const TrimPortion& portion, double y, double guess) {
+// Where the portion crosses the plane: Newton's method, bracketed.
+CutPoint bracketed_crossing(const Piece& piece, const TrimPortion& portion, double y) {
   constexpr int kMaxIterations = 60, kMaxNewton = 8;
   const bool rising = portion.to.y > portion.from.y;
   double lo = portion.from.t, hi = portion.to.t;
-  const double enough = kLastStep * (hi - lo);
-  double t = guess > lo && guess < hi ? guess : lo + (hi - lo) * (y - portion.from.y) / (portion.to.y - portion.from.y);
-  TrimPoint point;
+  const double enough = kTrimStep * (hi - lo);
+  double t = lo + (hi - lo) * (y - portion.from.y) / (portion.to.y - portion.from.y);
   for (int iteration = 1;; ++iteration) {
-    point = trim_point(piece, *portion.arc, t);
+    const TrimPoint point = trim_point(piece, *portion.arc, t);
     const double residual = point.y - y;
     const double next = std::clamp(t - residual / point.yt, portion.from.t, portion.to.t), step = next - t;
     if (std::fabs(step) <= enough || iteration == kMaxIterations) {
-      point.t = next;
-      point.a += step * point.at, point.b += step * point.bt;
-      point.x += step * point.xt, point.y += step * point.yt, point.key += step * point.kt;
-      return point;
+      return {point.a + step * point.at, point.b + step * point.bt, point.x + step * point.xt,
+              point.key + step * point.kt};
     }
     ((residual < 0) == rising ? lo : hi) = t;
     t = next > lo && next < hi && iteration <= kMaxNewton ? next : 0.5 * (lo + hi);
   }
 }
 
-class PortionCrossings {
- public:
-  PortionCrossings(const Piece& piece, const TrimPortion& portion)
-      : piece_(piece),
-        portion_(portion),
-        last_(portion.from.y < portion.to.y ? portion.from : portion.to),
-        end_(portion.from.y < portion.to.y ? portion.to : portion.from) {}
-
-  // The crossing with a plane above the last one's.
-  CutPoint next(double y) {
-    if (portion_.straight) return between(portion_.from, portion_.to, y);
-    const TrimPoint point =
-        solve(piece_, portion_, y, first_ ? hermite(last_, end_, y) : extrapolate(before_, last_, y));
-    before_ = last_, last_ = point, first_ = false;
-    return {point.a, point.b, point.x, point.key};
-  }
-
- private:
-  const Piece& piece_;
-  const TrimPortion& portion_;
-  TrimPoint before_{}, last_;
-  const TrimPoint& end_;
-  bool first_ = true;
-};
-
 }  // namespace
 
-void find_trim_crossings(const Piece& piece, const double* y, int count, std::vector<TrimCrossing>& out) {
-  struct Crossed {
-    int portion, first, last;  // planes
-    PortionCrossings crossings;
-  };
-  std::vector<Crossed> crossed;
-  crossed.reserve(piece.portion_count);
+void TrimCrosser::Crossed::solve(const Piece& piece, const double* y) {
+  const TrimPortion& of = piece.portions[portion];
+  if (of.straight) return;
+  const std::size_t count = last - first;
+  roots.resize(count);
+  std::copy(y + first, y + last, roots.y.begin());
+  roots.pad(count);
+  trim_roots(piece, of, count, roots);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (roots.step[k] < kTrimStep) continue;
+    const CutPoint point = bracketed_crossing(piece, of, roots.y[k]);
+    roots.a[k] = point.a, roots.b[k] = point.b, roots.x[k] = point.x, roots.key[k] = point.key;
+  }
+}
+
+CutPoint TrimCrosser::Crossed::point(const Piece& piece, double y, int plane) const {
+  const TrimPortion& of = piece.portions[portion];
+  if (of.straight) return between(of.from, of.to, y);
+  const int k = plane - first;
+  return {roots.a[k], roots.b[k], roots.x[k], roots.key[k]};
+}
+
+const std::vector<TrimCrossing>& TrimCrosser::cross(const Piece& piece, const double* y, int count) {
+  crossed_count_ = 0;
+  int plane = count, end = 0;
   for (int k = 0; k < piece.portion_count; ++k) {
     const TrimPortion& portion = piece.portions[k];
     const double lo = std::min(portion.from.y, portion.to.y), hi = std::max(portion.from.y, portion.to.y);
     if (hi <= y[0] || lo > y[count - 1]) continue;
     // Half-open, as (y0 <= y) != (y1 <= y).
     const int first = int(std::lower_bound(y, y + count, lo) - y), last = int(std::lower_bound(y, y + count, hi) - y);
-    if (first < last) crossed.push_back({k, first, last, PortionCrossings(piece, portion)});
+    if (first == last) continue;
+    if (crossed_count_ == crossed_.size()) crossed_.emplace_back();
+    Crossed& crossed = crossed_[crossed_count_++];
+    crossed.portion = k, crossed.first = first, crossed.last = last;
+    crossed.solve(piece, y);
+    plane = std::min(plane, first), end = std::max(end, last);
   }
-  out.clear();
-  for (int plane = 0; plane < count; ++plane) {
-    const std::size_t start = out.size();
-    for (Crossed& portion : crossed) {
-      if (plane < portion.first || plane >= portion.last) continue;
-      out.push_back({plane, portion.portion, portion.crossings.next(y[plane])});
-      for (std::size_t k = out.size() - 1; k > start && out[k].point.a < out[k - 1].point.a; --k) {
-        std::swap(out[k], out[k - 1]);
+  crossings_.clear();
+  for (; plane < end; ++plane) {
+    const std::size_t start = crossings_.size();
+    for (std::size_t i = 0; i < crossed_count_; ++i) {
+      const Crossed& crossed = crossed_[i];
+      if (plane < crossed.first || plane >= crossed.last) continue;
+      crossings_.push_back({plane, crossed.portion, crossed.point(piece, y[plane], plane)});
+      for (std::size_t k = crossings_.size() - 1; k > start && crossings_[k].point.a < crossings_[k - 1].point.a; --k) {
+        std::swap(crossings_[k], crossings_[k - 1]);
       }
     }
   }
+  return crossings_;
 }
 
 }  // namespace nofacet
