@@ -163,11 +163,11 @@ bool BandPainter::hidden(const HullBounds& hull) const {
 void BandPainter::insert_spans(const Piece& piece, ScanLine* lines) {
   if (made_.empty()) return;
   const bool opaque = scene_.color(piece.face)[3] >= 1.0f;
-  for (Span& span : made_) {
-    span.order = order_;
+  for (const Span& span : made_) {
     ScanLine& line = lines[span.plane];
     Span* kept = spans_.take(1);
     *kept = span;
+    kept->order = order_;  // after the copy: it would wait for what has just been written
     if (!opaque) {
       line.transparent.push_back(kept);
     } else if (!visibility_.insert(*kept, line)) {
@@ -233,11 +233,15 @@ void BandPainter::weigh_planes(int row) {
   level_count_ = 0;
   ScanLine bounds[2];  // the neighbouring rows' lines, where only their y matters
   if (planes_.locates_level_edges()) {
+    std::vector<Interval> *above = &covered_[0], *below = &covered_[1];
     row_lines_.push_back(&lines_[sample_plane(row, -1)]);
+    row_lines_.back()->covered(camera_.width, *above);
     for (int k = 0; k <= samples; ++k) {
       const ScanLine& next = lines_[sample_plane(row, k)];
-      locate_level_edges(*row_lines_.back(), next);
+      next.covered(camera_.width, *below);
+      locate_level_edges(*row_lines_.back(), *above, next, *below);
       row_lines_.push_back(&next);
+      std::swap(above, below);
     }
   } else {
     bounds[0].y = planes_.sample_y(int64_t(row) * samples - 1);
@@ -257,18 +261,19 @@ void BandPainter::weigh_planes(int row) {
 }
 
 // A level edge hides or shows a stretch of x at once, and no number of equal strips places it well: halve the gap
-// between the planes until it lies in a strip of 1 / kLevelSteps.
-void BandPainter::locate_level_edges(const ScanLine& above, const ScanLine& below) {
+// between the planes until it lies in a strip of 1 / kLevelSteps. With each line goes what it covers.
+void BandPainter::locate_level_edges(const ScanLine& above, const std::vector<Interval>& covered_above,
+                                     const ScanLine& below, const std::vector<Interval>& covered_below) {
   constexpr double kLevelRun = 2.0;  // pixels; shorter stretches are no worse placed than slanted outlines
-  above.covered(camera_.width, covered_above_);
-  below.covered(camera_.width, covered_below_);
-  if (longest_difference(covered_above_, covered_below_) < kLevelRun) return;
+  if (longest_difference(covered_above, covered_below) < kLevelRun) return;
   const double y = ScanPlanes::level_y(ScanPlanes::level_step(0.5 * (above.y + below.y)));
   if (!(y > above.y && y < below.y)) return;
   const ScanLine& middle = cut_level(y);
-  locate_level_edges(above, middle);
+  std::vector<Interval> covered;
+  middle.covered(camera_.width, covered);
+  locate_level_edges(above, covered_above, middle, covered);
   row_lines_.push_back(&middle);
-  locate_level_edges(middle, below);
+  locate_level_edges(middle, covered, below, covered_below);
 }
 
 const ScanLine& BandPainter::cut_level(double y) {

@@ -51,7 +51,8 @@ class BandPainter {
   void fill_background(int row, int first, int last) const;
 
   void weigh_planes(int row);
-  void locate_level_edges(const ScanLine& above, const ScanLine& below);
+  void locate_level_edges(const ScanLine& above, const std::vector<Interval>& covered_above, const ScanLine& below,
+                          const std::vector<Interval>& covered_below);
   const ScanLine& cut_level(double y);
 
   const Scene& scene_;
@@ -85,7 +86,7 @@ class BandPainter {
   std::size_t level_count_ = 0;
   std::vector<const ScanLine*> row_lines_;
   std::vector<WeightedLine> weighted_;
-  std::vector<Interval> covered_above_, covered_below_;
+  std::vector<Interval> covered_[2];
 };
 
 }  // namespace nofacet

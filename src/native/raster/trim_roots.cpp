@@ -3,8 +3,10 @@
 #define HWY_TARGET_INCLUDE "raster/trim_roots.cpp"
 #include "raster/trim_roots.h"
 
-#include "hwy/contrib/math/math-inl.h"
 #include "hwy/foreach_target.h"
+
+// After that, for every instruction set.
+#include "hwy/contrib/math/math-inl.h"
 #include "raster/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
