@@ -233,7 +233,7 @@ void BandPainter::weigh_planes(int row) {
   level_count_ = 0;
   ScanLine bounds[2];  // the neighbouring rows' lines, where only their y matters
   if (planes_.locates_level_edges()) {
-    std::vector<Interval> *above = &covered_[0], *below = &covered_[1];
+    std::vector<Interval>*above = &covered_[0], *below = &covered_[1];
     row_lines_.push_back(&lines_[sample_plane(row, -1)]);
     row_lines_.back()->covered(camera_.width, *above);
     for (int k = 0; k <= samples; ++k) {

@@ -22,9 +22,10 @@ class SpanProgress {
   explicit SpanProgress(const Span& span)
       : fold0_(span.fold0), fold1_(span.fold1), x0_(span.x0), x1_(span.x1), scale_(1.0 / (span.x1 - span.x0)) {}
 
-  HWY_INLINE Vec at(Lanes d, Vec x) const {
-    const Vec zero = hn::Zero(d), one = hn::Set(d, 1.0), scale = hn::Set(d, scale_);
-    const Vec t = hn::Min(hn::Max(hn::Mul(hn::Sub(x, hn::Set(d, x0_)), scale), zero), one);
+  template <class D, class V = hn::Vec<D>>
+  HWY_INLINE V at(D d, V x) const {
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0), scale = hn::Set(d, scale_);
+    const V t = hn::Min(hn::Max(hn::Mul(hn::Sub(x, hn::Set(d, x0_)), scale), zero), one);
     if (fold0_) return hn::Sqrt(t);
     if (fold1_) return hn::Sub(one, hn::Sqrt(hn::Max(hn::Mul(hn::Sub(hn::Set(d, x1_), x), scale), zero)));
     return t;
