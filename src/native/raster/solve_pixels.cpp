@@ -21,8 +21,8 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // Jobs up to this long have no knots: their pixels are guessed evenly along the span, and take their first steps in
-// single precision.
-constexpr int kShortJob = 24;
+// single precision. Where a step costs more, knots pay sooner.
+constexpr int kShortJob = 96, kShortCostlyJob = 24;
 constexpr int kCoarseSteps = 6;
 // A step of this size leaves an error of about its square, where single precision ends.
 constexpr float kCoarseStep = 2e-4f;
@@ -97,7 +97,7 @@ struct SolveCurved {
     scratch.long_jobs.clear();
     const CoarseNet coarse_net(centred, scratch.coarse_net);
     for (const PixelJob *job = jobs, *end = jobs + count; job != end; ++job) {
-      if (job->last - job->first > kShortJob) {
+      if (job->last - job->first > (kN < 0 ? kShortCostlyJob : kShortJob)) {
         scratch.long_jobs.push_back(job);
         continue;
       }
