@@ -261,3 +261,17 @@ def test_a_section_plane_that_cuts_a_span_beyond_the_picture() -> None:
     ]
     assert (frames[0].face >= 0).any()
     np.testing.assert_array_equal(frames[0].face, frames[1].face)
+
+
+@pytest.mark.parametrize("samples", [1, 16])
+def test_a_flat_face_that_passes_through_a_curved_one(samples: int) -> None:
+    """The depth of flat faces was not computed where they were compared with curved ones point by point."""
+    shape = cq.Compound.makeCompound([cq.Solid.makeSphere(1.0, angleDegrees1=-90), cq.Solid.makeBox(2, 2, 2)])
+    model = nofacet.load(shape)
+    for direction in ((1.0, 0.3, 0.2), (-0.4, 0.5, -1.0), (-1.0, -2.0, -0.7)):
+        camera = fit(model, direction)
+        frame, other = (
+            nofacet.render(model, camera, RESOLUTION, method=method, samples=count)
+            for method, count in (("bezier_clip_scanline", samples), ("bezier_clip_ray", 1))
+        )
+        np.testing.assert_array_equal(frame.face, other.face)

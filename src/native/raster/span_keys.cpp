@@ -97,12 +97,12 @@ HWY_EXPORT(Solve);
 void keys_at(const Span& span, const double* x, int count, SpanKeys* out) {
   const Piece& piece = *span.piece;
   double padded[SpanKeys::kMost], step[SpanKeys::kMost];
-  std::fill_n(step, SpanKeys::kMost, INFINITY);
   const double enough = std::max(kSpanKeyStep, std::sqrt(kPixelTolerance / piece.bend));
   // Only what lies inside the span is solved: its ends are known, and at a fold Newton's method is slow.
   const auto is_inside = [&](double at) { return at > span.x0 && at < span.x1; };
   const double* inner = std::find_if(x, x + count, is_inside);
-  if (inner != x + count && !piece.planar && piece.kind <= CutKind::fold && piece.has_accurate_centred_net()) {
+  const bool in_lanes = !piece.planar && piece.kind <= CutKind::fold && piece.has_accurate_centred_net();
+  if (in_lanes && inner != x + count) {
     for (int k = 0; k < SpanKeys::kMost; ++k) padded[k] = k < count && is_inside(x[k]) ? x[k] : *inner;
     HWY_DYNAMIC_DISPATCH(Solve)(span, padded, count, enough, *out, step);
   }
@@ -111,7 +111,7 @@ void keys_at(const Span& span, const double* x, int count, SpanKeys* out) {
       out->a[k] = span.a0, out->key[k] = span.key0;
     } else if (x[k] >= span.x1) {
       out->a[k] = span.a1, out->key[k] = span.key1;
-    } else if (!(step[k] <= enough)) {
+    } else if (!in_lanes || !(step[k] <= enough)) {
       out->key[k] = key_at(span, x[k], &out->a[k]);
     }
   }
