@@ -275,3 +275,17 @@ def test_a_flat_face_that_passes_through_a_curved_one(samples: int) -> None:
             for method, count in (("bezier_clip_scanline", samples), ("bezier_clip_ray", 1))
         )
         np.testing.assert_array_equal(frame.face, other.face)
+
+
+@pytest.mark.parametrize("direction", [(1.19, -1.13, 0.24), (0.58, -1.45, -0.12), (2.0, -1.55, 0.11)])
+def test_both_borders_of_a_trimmed_patch_turn_at_one_place(direction: tuple[float, float, float]) -> None:
+    """An extrusion's borders turn together but for rounding, and a piece of no width was cut out between them: its trim
+    crossings were all rounding, and a run of pixels showed it."""
+    points = [(1.2, 0), (0.5, 0.85), (-0.55, 0.95), (-0.5, 0), (-0.5, -0.85), (0.75, -1.3)]
+    ring = cq.Workplane(obj=cq.Solid.makeTorus(1.2, 0.4)).rotate((0, 0, 0), (1, 1, 0), 60).translate((0.5, 0.3, 0.4))
+    model = nofacet.load(cq.Workplane().spline(points).close().extrude(1.5).cut(ring))
+    camera = fit(model, direction)
+    frame = nofacet.render(model, camera, RESOLUTION, samples=1, buffers=("face", "uv"))
+    other = nofacet.render(model, camera, RESOLUTION, method="bezier_clip_ray", samples=1, buffers=("face",))
+    np.testing.assert_array_equal(frame.face, other.face)
+    assert np.isfinite(frame.uv[frame.face >= 0]).all()

@@ -11,6 +11,7 @@
 namespace nofacet {
 namespace {
 
+constexpr double kSameTurn = 1e-9;      // of a piece
 constexpr int kMaxDepth = 100;          // halvings of one patch, both directions together
 constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch needs a few hundred
 // A curved piece larger than this is split even if certified: depth bounds and first guesses get poor.
@@ -434,12 +435,19 @@ void PieceBuilder::emit_certified(const Node& node, const NetBounds& bounds, con
 void PieceBuilder::emit_cut_at_turns(const Node& node, const Certificate& certificate, const Arcs* arcs) {
   const Net& net = node.net;
   const Box& box = node.box;
-  turns_.insert(turns_.end(), {0.0, 1.0});
   std::sort(turns_.begin(), turns_.end());
+  // Both borders may turn at one place but for rounding. What lies between would be all rounding, and a border that
+  // turns so near its end goes back by the square of that.
+  double last = 0.0;
+  std::erase_if(turns_, [&](double turn) {
+    if (turn - last < kSameTurn || 1.0 - turn < kSameTurn) return true;
+    last = turn;
+    return false;
+  });
+  turns_.push_back(1.0);
   part_.resize(net.size());
-  for (std::size_t k = 1; k < turns_.size(); ++k) {
-    const double from = turns_[k - 1], to = turns_[k];
-    if (!(from < to)) continue;
+  double from = 0.0;
+  for (const double to : turns_) {
     Box inner = box;
     if (certificate.transposed) {
       restrict_net(net, 0.0, 1.0, from, to, part_.data());
@@ -452,6 +460,7 @@ void PieceBuilder::emit_cut_at_turns(const Node& node, const Certificate& certif
     Piece piece{};
     describe(part, NetBounds(part), certificate, node, inner, &piece);
     emit(piece, part, inner, arcs);
+    from = to;
   }
 }
 
