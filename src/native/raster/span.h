@@ -62,14 +62,15 @@ void solve_sample(const Span& span, double x, double y, SurfaceSample* sample);
 // Key of the span at x, and the parameter a there.
 double key_at(const Span& span, double x, double* a);
 
-// The same at several x at once, ascending, each to within kPixelTolerance.
+// The same at several x at once, ascending. The last Newton step of each leaves a remainder below kPixelTolerance, or is
+// below kSpanKeyStep.
 struct SpanKeys {
   static constexpr int kMost = 8;
 
   double a[kMost], key[kMost];
 };
 void keys_at(const Span& span, const double* x, int count, SpanKeys* out);
-// A last Newton step no larger leaves an error of its square, whatever the piece.
+// A last Newton step no larger leaves an error of its square and is enough, whatever the piece.
 inline constexpr double kSpanKeyStep = 1e-7;
 
 }  // namespace nofacet
