@@ -62,8 +62,8 @@ void solve_sample(const Span& span, double x, double y, SurfaceSample* sample);
 // Key of the span at x, and the parameter a there.
 double key_at(const Span& span, double x, double* a);
 
-// The same at several x at once, ascending. The last Newton step of each leaves a remainder below kPixelTolerance, or is
-// below kSpanKeyStep.
+// The same at several x at once, ascending. The last Newton step of each leaves a remainder below kPixelTolerance, or
+// is below kSpanKeyStep.
 struct SpanKeys {
   static constexpr int kMost = 8;
 
