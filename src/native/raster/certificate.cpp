@@ -123,6 +123,23 @@ double variation(const Grid& grid, bool along_a) {
   return largest * (along_a ? grid.n : grid.m);
 }
 
+// The c for which key_jacobian - c jacobian has one sign all over, though the Jacobian has two; empty if there are
+// none.
+Interval steady_shears(const Grid& key_jacobian, const Grid& jacobian) {
+  for (const double sign : {1.0, -1.0}) {
+    Interval c{-INFINITY, INFINITY};
+    for (std::size_t k = 0; k < jacobian.size() && c.lo < c.hi; ++k) {
+      const double j = sign * jacobian.coefficients[k], bound = key_jacobian.coefficients[k] / jacobian.coefficients[k];
+      if (j > 0) c.hi = std::min(c.hi, bound);
+      if (j < 0) c.lo = std::max(c.lo, bound);
+      if (j == 0 && !(sign * key_jacobian.coefficients[k] > 0)) c.hi = -INFINITY;
+    }
+    // Well inside of it none of the differences is near zero.
+    if (c.lo < c.hi) return {c.lo + 0.25 * c.width(), c.hi - 0.25 * c.width()};
+  }
+  return Interval::empty();
+}
+
 // Whether J vanishes at most once along every cut: its turn K has one sign wherever J = 0. That is so if K + c J has
 // one sign all over, for whatever c: c J adds nothing where J = 0.
 bool vanishes_once(const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
@@ -154,7 +171,8 @@ bool vanishes_once(const Grid& jacobian, const Grid& turn, const CarriedForms& s
 
 }  // namespace
 
-Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Grid& turn, const CarriedForms& scales) {
+Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Grid& turn, const Grid& key_jacobian,
+                        const CarriedForms& scales) {
   const QuotientBounds turned = transposed_bounds(y);
   const bool straight = grows_with_b(y), across = grows_with_b(turned);
   if (!straight && !across) return {};
@@ -174,7 +192,10 @@ Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Gri
     certificate.kind = CutKind::regular;
   } else if (turn.coefficients && vanishes_once(jacobian, turn, scales)) {
     certificate.kind = CutKind::fold;
-  } else {
+    if (key_jacobian.coefficients) certificate.shears = steady_shears(key_jacobian, jacobian);
+  }
+  if (certificate.kind == CutKind::uncertain ||
+      (certificate.kind == CutKind::fold && !(certificate.shears.lo <= certificate.shears.hi))) {
     certificate.halve = variation(jacobian, true) >= variation(jacobian, false) ? Halve::a : Halve::b;
   }
   return certificate;

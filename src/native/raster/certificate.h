@@ -27,7 +27,7 @@ enum class CutKind : unsigned char {
   uncertain,  // nothing is proved
 };
 
-// Which parameter to halve where nothing is proved.
+// Which parameter to halve where nothing is proved, or a fold's shears are empty.
 enum class Halve : unsigned char { either, a, b };
 
 struct Certificate {
@@ -35,6 +35,8 @@ struct Certificate {
   bool transposed = false;  // the cut is a graph a(b) instead of b(a)
   Halve halve = Halve::either;
   bool graph = false;  // at least this is proved: that the cut is a graph
+  // Of a fold whose forms are carried along: for these c, key - c x moves one way along every cut. May be empty.
+  Interval shears = Interval::empty();
 };
 
 // By interval bounds alone.
@@ -46,8 +48,9 @@ struct CarriedForms {
   bool rational = false;
   double jacobian_terms = 0.0, turn_terms = 0.0, weight = 1.0;
 };
-// With the Jacobian's own Bernstein form, and the form of its turn along the cuts unless that is null: much tighter,
-// and of the bounds it needs only those of y and its first derivatives.
-Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Grid& turn, const CarriedForms& scales);
+// With the Jacobian's own Bernstein form, and unless they are null the form of its turn along the cuts and that of key
+// and y in place of x and y: much tighter, and of the bounds it needs only those of y and its first derivatives.
+Certificate certify_cut(const QuotientBounds& y, const Grid& jacobian, const Grid& turn, const Grid& key_jacobian,
+                        const CarriedForms& scales);
 
 }  // namespace nofacet

@@ -16,6 +16,9 @@ constexpr int kMaxDepth = 100;          // halvings of one patch, both direction
 constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch needs a few hundred
 // A curved piece larger than this is split even if certified: depth bounds and first guesses get poor.
 constexpr double kLargestPiece = 256.0;
+// A fold is halved up to so many times for the sake of its shears, unless it is lower than this.
+constexpr int kMaxFoldHalvings = 4;
+constexpr double kLowFold = 8.0;
 // Largest ratio of depths within a piece in perspective.
 constexpr double kLargestDepthRatio = 4.0;
 
@@ -125,7 +128,7 @@ void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, const H
   nodes_ = 0;
 
   const Net net = projected_net(scene_, camera_, face, patch, projected_);
-  Node root{net, {}, {}, {}, {0.0, 1.0, 0.0, 1.0}};
+  Node root{net, {}, {}, {}, {0.0, 1.0, 0.0, 1.0}, 0};
   carry_forms(root);
   if (!region_) {
     subdivide(root, nullptr, 0);
@@ -213,10 +216,19 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
   std::optional<NetBounds> bounds;  // many nodes need no more than the forms that they carry
   const auto all_bounds = [&]() -> const NetBounds& { return bounds ? *bounds : bounds.emplace(net, range); };
   const Certificate certificate = node.jacobian.coefficients
-                                      ? certify_cut(slope_bounds(net, y), node.jacobian, node.turn, scales_)
+                                      ? certify_cut(slope_bounds(net, y), node.jacobian, node.turn,
+                                                    node.key_jacobian, scales_)
                                       : certify_cut(net, all_bounds());
   if (certificate.kind != CutKind::uncertain) {
     const bool small = x.width() <= kLargestPiece && y.width() <= kLargestPiece;
+    // Where a fold's shears are empty, its spans would be compared point by point on every plane.
+    if (small && certificate.kind == CutKind::fold && node.key_jacobian.coefficients && y.width() > kLowFold &&
+        node.fold_halvings < kMaxFoldHalvings && !(certificate.shears.lo <= certificate.shears.hi) &&
+        !is_planar(net, range[kZ])) {
+      Node fold = node;
+      ++fold.fold_halvings;
+      return halve(fold, arcs, depth, certificate.halve == Halve::a);
+    }
     if (small || depth >= kMaxDepth || is_planar(net, range[kZ])) {
       emit_certified(node, all_bounds(), certificate, arcs);
       return;
@@ -333,23 +345,6 @@ Interval slopes(const Grid& key_jacobian, const Grid& jacobian, double negligibl
   return range;
 }
 
-// The c for which key_jacobian - c jacobian has one sign all over, though the Jacobian has two; empty if there are
-// none.
-Interval steady_shears(const Grid& key_jacobian, const Grid& jacobian) {
-  for (const double sign : {1.0, -1.0}) {
-    Interval c{-INFINITY, INFINITY};
-    for (std::size_t k = 0; k < jacobian.size() && c.lo < c.hi; ++k) {
-      const double j = sign * jacobian.coefficients[k], bound = key_jacobian.coefficients[k] / jacobian.coefficients[k];
-      if (j > 0) c.hi = std::min(c.hi, bound);
-      if (j < 0) c.lo = std::max(c.lo, bound);
-      if (j == 0 && !(sign * key_jacobian.coefficients[k] > 0)) c.hi = -INFINITY;
-    }
-    // Well inside of it none of the differences is near zero.
-    if (c.lo < c.hi) return {c.lo + 0.25 * c.width(), c.hi - 0.25 * c.width()};
-  }
-  return Interval::empty();
-}
-
 }  // namespace
 
 // Fills in what is known of the tangents, on the screen's scale, and of the normals made of them.
@@ -388,7 +383,7 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
     const Interval along = node.key_jacobian.range() * (piece->transposed ? -area : area);
     piece->key_slope = intersect(piece->key_slope, along / (y.fb * cubed));
     piece->shears = piece->kind == CutKind::fold
-                        ? steady_shears(node.key_jacobian, node.jacobian)
+                        ? certificate.shears
                         : slopes(node.key_jacobian, node.jacobian, kRoundingMargin * scales_.jacobian_terms);
   } else if (node.jacobian.coefficients && !piece->planar) {
     // Without folds the depth's form is not carried along.

@@ -100,6 +100,7 @@ class PieceBuilder {
     Net net;
     Grid jacobian, turn, key_jacobian;  // coefficients may be null
     Box box;
+    int fold_halvings;  // made for the sake of a fold's shears
   };
 
   void carry_forms(Node& root);

@@ -343,22 +343,35 @@ Visibility::KeyDifference Visibility::leave_touch(const Span& fresh, const Span&
   return {end, far->d};
 }
 
-// Where the key difference, of opposite signs at two x, vanishes.
+// Where the key difference, of opposite signs at two x, vanishes. Several x are solved at once: most likely it does
+// between those beside where the chord vanishes, from which it bends away with the square of the distance.
 double Visibility::solve_crossing(const Span& fresh, const Span& old, KeyDifference left, KeyDifference right) const {
-  double a;
-  for (int iteration = 0; iteration < 60 && right.x - left.x > kCrossingTolerance; ++iteration) {
-    double x = 0.5 * (left.x + right.x);
-    if (iteration % 3 != 2) {
-      const double secant = left.x + (right.x - left.x) * left.d / (left.d - right.d);
-      if (secant > left.x && secant < right.x) x = secant;
+  constexpr int kCount = 4;
+  const auto chord_root = [&] { return left.x + (right.x - left.x) * left.d / (left.d - right.d); };
+  for (int round = 0; round < 60 && right.x - left.x > kCrossingTolerance; ++round) {
+    const double width = right.x - left.x, middle = chord_root();
+    const double far = std::clamp(0.25 * width * width, kCrossingTolerance, 0.25 * width);
+    const double near = std::clamp(0.0625 * far, 0.4 * kCrossingTolerance, 0.25 * far);
+    const double steps[kCount] = {-far, -near, near, far};
+    double x[kCount];
+    for (int k = 0; k < kCount; ++k) {
+      const double even = left.x + width * (k + 1) / (kCount + 1);
+      x[k] = round % 3 == 2 ? even : std::clamp(middle + steps[k], left.x, right.x);
     }
-    const double d = key_at(fresh, x, &a) - key_at(old, x, &a);
-    if (d == 0.0) return x;
-    KeyDifference& moved = (d < 0) == (left.d < 0) ? left : right;
-    if (std::fabs(x - moved.x) < kCrossingTolerance) return x;
-    moved = {x, d};
+    SpanKeys f, o;
+    keys_at(fresh, x, kCount, &f);
+    keys_at(old, x, kCount, &o);
+    for (int k = 0; k < kCount; ++k) {
+      const KeyDifference next{x[k], f.key[k] - o.key[k]};
+      if (next.d == 0.0) return next.x;
+      if ((next.d < 0) != (left.d < 0)) {
+        right = next;
+        break;
+      }
+      left = next;
+    }
   }
-  return 0.5 * (left.x + right.x);
+  return chord_root();
 }
 
 }  // namespace nofacet
