@@ -82,12 +82,8 @@ void BandPainter::lay_planes() {
   for (std::size_t k = 0; k < plane_y_.size(); ++k) lines_[k].clear(plane_y_[k]);
 }
 
-int BandPainter::planes_per_row() const {
-  return planes_.samples() + (planes_.centre() && !planes_.centre_is_sample() ? 1 : 0);
-}
-
 int BandPainter::centre_plane(int row) const {
-  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + planes_.samples() / 2;
+  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_.per_row() + planes_.samples() / 2;
 }
 
 // k from -1 (the last one of the row above) to `samples` (the first one of the row below).
@@ -96,9 +92,9 @@ int BandPainter::sample_plane(int row, int k) const {
   if (k < 0) return sample_plane(row - 1, samples - 1);
   if (k >= samples) return sample_plane(row + 1, 0);
   const int after_centre =
-      planes_per_row() > samples && k >= samples / 2 && row >= first_row_ && row < end_row_ ? 1 : 0;
+      planes_.per_row() > samples && k >= samples / 2 && row >= first_row_ && row < end_row_ ? 1 : 0;
   if (row < first_row_) return 0;
-  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_per_row() + k + after_centre;
+  return (planes_.locates_level_edges() ? 1 : 0) + (row - first_row_) * planes_.per_row() + k + after_centre;
 }
 
 void BandPainter::cut_patches() {

@@ -34,7 +34,6 @@ class BandPainter {
 
  private:
   void lay_planes();
-  int planes_per_row() const;
   int centre_plane(int row) const;
   int sample_plane(int row, int k) const;
   void cut_patches();

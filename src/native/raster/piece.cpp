@@ -16,9 +16,10 @@ constexpr int kMaxDepth = 100;          // halvings of one patch, both direction
 constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch needs a few hundred
 // A curved piece larger than this is split even if certified: depth bounds and first guesses get poor.
 constexpr double kLargestPiece = 256.0;
-// A fold is halved up to so many times for the sake of its shears, unless it is lower than this.
-constexpr int kMaxFoldHalvings = 4;
-constexpr double kLowFold = 8.0;
+// Certified pieces that many planes meet are halved up to so many times more where their bounds are poor: folds without
+// shears, and what may bend by more than this many times its width.
+constexpr int kMaxCalmings = 4;
+constexpr double kFoldPlanes = 8.0, kWildPlanes = 64.0, kWildBend = 300.0;
 // Largest ratio of depths within a piece in perspective.
 constexpr double kLargestDepthRatio = 4.0;
 
@@ -50,6 +51,13 @@ bool shape_halves_a(const Net& net, const NetBounds& bounds) {
   const double length_a = length_along(net, true), length_b = length_along(net, false);
   const bool nearly_flat = std::max(bend_a, bend_b) < 1e-2 * std::max(length_a, length_b);
   return nearly_flat ? length_a >= length_b : bend_a >= bend_b;
+}
+
+// Bounds of d^2 f / da^2 along the cuts y = const, on which db/da = -y_a / y_b. As y is constant there, f - c y bends
+// as f does, for any c; with c = f_b / y_b how b itself bends drops out.
+Interval bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
+  const Interval slope = -(y.fa / y.fb), c = f.fb / y.fb;
+  return f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope);
 }
 
 // Length of the control polygons along a or b in eye space (perspective only: Z is the weight there).
@@ -221,17 +229,13 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
                                       : certify_cut(net, all_bounds());
   if (certificate.kind != CutKind::uncertain) {
     const bool small = x.width() <= kLargestPiece && y.width() <= kLargestPiece;
-    // Where a fold's shears are empty, its spans would be compared point by point on every plane.
-    if (small && certificate.kind == CutKind::fold && node.key_jacobian.coefficients && y.width() > kLowFold &&
-        node.fold_halvings < kMaxFoldHalvings && !(certificate.shears.lo <= certificate.shears.hi) &&
-        !is_planar(net, range[kZ])) {
-      Node fold = node;
-      ++fold.fold_halvings;
-      return halve(fold, arcs, depth, certificate.halve == Halve::a);
-    }
-    if (small || depth >= kMaxDepth || is_planar(net, range[kZ])) {
-      emit_certified(node, all_bounds(), certificate, arcs);
-      return;
+    const bool last = depth >= kMaxDepth || is_planar(net, range[kZ]);
+    if (small || last) {
+      const Halve calming = last ? Halve::either : calms(node, certificate, all_bounds());
+      if (calming == Halve::either) return emit_certified(node, all_bounds(), certificate, arcs);
+      Node wild = node;
+      ++wild.calmings;
+      return halve(wild, arcs, depth, calming == Halve::a);
     }
   } else {
     const bool narrow = x.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
@@ -254,6 +258,22 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
   }
   halve(node, arcs, depth,
         certificate.halve == Halve::either ? shape_halves_a(net, all_bounds()) : certificate.halve == Halve::a);
+}
+
+// Which parameter to halve a certified node by, if that pays: where little is known of how the depth runs along its
+// cuts, its spans are compared with others point by point, on every plane. Either: none.
+Halve PieceBuilder::calms(const Node& node, const Certificate& certificate, const NetBounds& bounds) const {
+  if (!node.key_jacobian.coefficients || node.calmings == kMaxCalmings) return Halve::either;
+  const double planes = bounds.y.f.width() * planes_.per_row();
+  const bool has_shears = certificate.shears.lo <= certificate.shears.hi;
+  if (certificate.kind == CutKind::fold && !has_shears && planes > kFoldPlanes) return certificate.halve;
+  if (certificate.kind > CutKind::fold || planes < kWildPlanes) return Halve::either;
+  const bool transposed = certificate.transposed;
+  const QuotientBounds x = transposed ? transposed_bounds(bounds.x) : bounds.x;
+  const QuotientBounds y = transposed ? transposed_bounds(bounds.y) : bounds.y;
+  if (bend_along_cut(x, y).magnitude() < kWildBend * x.f.width()) return Halve::either;
+  // Bends are wild where y_b is small here and large there.
+  return (y.fab.magnitude() >= y.fbb.magnitude()) != transposed ? Halve::a : Halve::b;
 }
 
 void PieceBuilder::halve(const Node& node, const Arcs* arcs, int depth, bool along_a) {
@@ -320,13 +340,6 @@ bool PieceBuilder::is_planar(const Net& net, Interval key) const {
 }
 
 namespace {
-
-// Bounds of d^2 f / da^2 along the cuts y = const, on which db/da = -y_a / y_b. As y is constant there, f - c y bends
-// as f does, for any c; with c = f_b / y_b how b itself bends drops out.
-Interval bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
-  const Interval slope = -(y.fa / y.fb), c = f.fb / y.fb;
-  return f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope);
-}
 
 // Bounds of key_jacobian / jacobian, which is d key / dx along the cuts, where the Jacobian has one sign. Where it
 // vanishes they are infinite, on one side if the other form does not vanish there. `negligible`: what counts as zero.

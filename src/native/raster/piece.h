@@ -100,13 +100,14 @@ class PieceBuilder {
     Net net;
     Grid jacobian, turn, key_jacobian;  // coefficients may be null
     Box box;
-    int fold_halvings;  // made for the sake of a fold's shears
+    int calmings;  // halvings although it was certified
   };
 
   void carry_forms(Node& root);
   void subdivide(const Node& node, const Arcs* arcs, int depth);
   // The parts of a node on both sides of a = t or b = t; they stay until the next cut at this depth.
   std::pair<Node, Node> cut(const Node& node, int depth, bool along_a, double t);
+  Halve calms(const Node& node, const Certificate& certificate, const NetBounds& bounds) const;
   void halve(const Node& node, const Arcs* arcs, int depth, bool along_a);
   void peel(const Node& node, const ParameterBox& core, const Arcs* arcs, int depth);
   // `net` is the node's, or part of it: that over `box`.

@@ -43,6 +43,9 @@ class ScanPlanes {
   // Whether the centre plane is one of the sample planes.
   bool centre_is_sample() const { return samples_ % 2 == 1; }
 
+  // Planes a row, the centre plane among them.
+  int per_row() const { return samples_ + (centre_ && !centre_is_sample() ? 1 : 0); }
+
   double centre_y(int row) const { return row + 0.5 + kSampleShiftY; }
   // Of the sample plane `index` of the frame: row * samples + k.
   double sample_y(int64_t index) const { return (double(index) + 0.5) / samples_ + kSampleShiftY; }
