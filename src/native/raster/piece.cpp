@@ -17,9 +17,9 @@ constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch
 // A curved piece larger than this is split even if certified: depth bounds and first guesses get poor.
 constexpr double kLargestPiece = 256.0;
 // Certified pieces that many planes meet are halved up to so many times more where their bounds are poor: folds without
-// shears, and what may bend by more than this many times its width.
+// shears, and what may bend, on all planes together, by more than this many times its width.
 constexpr int kMaxCalmings = 4;
-constexpr double kFoldPlanes = 8.0, kWildPlanes = 64.0, kWildBend = 300.0;
+constexpr double kFoldPlanes = 8.0, kWildPlanes = 64.0, kWildBends = 2e4;
 // Largest ratio of depths within a piece in perspective.
 constexpr double kLargestDepthRatio = 4.0;
 
@@ -271,7 +271,7 @@ Halve PieceBuilder::calms(const Node& node, const Certificate& certificate, cons
   const bool transposed = certificate.transposed;
   const QuotientBounds x = transposed ? transposed_bounds(bounds.x) : bounds.x;
   const QuotientBounds y = transposed ? transposed_bounds(bounds.y) : bounds.y;
-  if (bend_along_cut(x, y).magnitude() < kWildBend * x.f.width()) return Halve::either;
+  if (planes * bend_along_cut(x, y).magnitude() < kWildBends * x.f.width()) return Halve::either;
   // Bends are wild where y_b is small here and large there.
   return (y.fab.magnitude() >= y.fbb.magnitude()) != transposed ? Halve::a : Halve::b;
 }

@@ -131,14 +131,14 @@ struct SolveCurved {
     const Lanes d;
     PixelBatch& batch = scratch.batch;
     const BatchRun& run = batch.add(job, first);
-    const int length = run.last - first;
     const Span& span = *job.span;
-    const Vec y = hn::Set(d, job.row + 0.5);
+    const Vec y = hn::Set(d, job.row + 0.5), width = hn::Set(d, double(hn::Lanes(d)));
     const Vec lo = hn::Set(d, std::min(span.a0, span.a1)), hi = hn::Set(d, std::max(span.a0, span.a1));
-    for (int k = 0; k < length; k += int(hn::Lanes(d))) {
-      hn::StoreU(hn::Iota(d, first + k + 0.5), d, batch.x + run.offset + k);
-      hn::StoreU(y, d, batch.y + run.offset + k);
-      hn::StoreU(lo, d, batch.a_lo + run.offset + k), hn::StoreU(hi, d, batch.a_hi + run.offset + k);
+    Vec x = hn::Iota(d, first + 0.5);
+    for (int k = run.offset, end = batch.size; k < end; k += int(hn::Lanes(d))) {
+      hn::StoreU(x, d, batch.x + k), hn::StoreU(y, d, batch.y + k);
+      hn::StoreU(lo, d, batch.a_lo + k), hn::StoreU(hi, d, batch.a_hi + k);
+      x = hn::Add(x, width);
     }
     return run;
   }
