@@ -223,19 +223,18 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
 
   std::optional<NetBounds> bounds;  // many nodes need no more than the forms that they carry
   const auto all_bounds = [&]() -> const NetBounds& { return bounds ? *bounds : bounds.emplace(net, range); };
-  const Certificate certificate = node.jacobian.coefficients
-                                      ? certify_cut(slope_bounds(net, y), node.jacobian, node.turn,
-                                                    node.key_jacobian, scales_)
-                                      : certify_cut(net, all_bounds());
+  const Certificate certificate = node.jacobian.coefficients ? certify_cut(slope_bounds(net, y), node.jacobian,
+                                                                           node.turn, node.key_jacobian, scales_)
+                                                             : certify_cut(net, all_bounds());
   if (certificate.kind != CutKind::uncertain) {
     const bool small = x.width() <= kLargestPiece && y.width() <= kLargestPiece;
     const bool last = depth >= kMaxDepth || is_planar(net, range[kZ]);
     if (small || last) {
-      const Halve calming = last ? Halve::either : calms(node, certificate, all_bounds());
-      if (calming == Halve::either) return emit_certified(node, all_bounds(), certificate, arcs);
+      const Halve parameter = last ? Halve::either : calming(node, certificate, all_bounds());
+      if (parameter == Halve::either) return emit_certified(node, all_bounds(), certificate, arcs);
       Node wild = node;
       ++wild.calmings;
-      return halve(wild, arcs, depth, calming == Halve::a);
+      return halve(wild, arcs, depth, parameter == Halve::a);
     }
   } else {
     const bool narrow = x.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
@@ -260,9 +259,9 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
         certificate.halve == Halve::either ? shape_halves_a(net, all_bounds()) : certificate.halve == Halve::a);
 }
 
-// Which parameter to halve a certified node by, if that pays: where little is known of how the depth runs along its
-// cuts, its spans are compared with others point by point, on every plane. Either: none.
-Halve PieceBuilder::calms(const Node& node, const Certificate& certificate, const NetBounds& bounds) const {
+// Which parameter to halve a certified node by, or either if that does not pay. Where little is known of how the depth
+// runs along its cuts, its spans are compared with others point by point, on every plane.
+Halve PieceBuilder::calming(const Node& node, const Certificate& certificate, const NetBounds& bounds) const {
   if (!node.key_jacobian.coefficients || node.calmings == kMaxCalmings) return Halve::either;
   const double planes = bounds.y.f.width() * planes_.per_row();
   const bool has_shears = certificate.shears.lo <= certificate.shears.hi;

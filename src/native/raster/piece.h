@@ -107,7 +107,7 @@ class PieceBuilder {
   void subdivide(const Node& node, const Arcs* arcs, int depth);
   // The parts of a node on both sides of a = t or b = t; they stay until the next cut at this depth.
   std::pair<Node, Node> cut(const Node& node, int depth, bool along_a, double t);
-  Halve calms(const Node& node, const Certificate& certificate, const NetBounds& bounds) const;
+  Halve calming(const Node& node, const Certificate& certificate, const NetBounds& bounds) const;
   void halve(const Node& node, const Arcs* arcs, int depth, bool along_a);
   void peel(const Node& node, const ParameterBox& core, const Arcs* arcs, int depth);
   // `net` is the node's, or part of it: that over `box`.

@@ -343,15 +343,16 @@ Visibility::KeyDifference Visibility::leave_touch(const Span& fresh, const Span&
   return {end, far->d};
 }
 
-// Where the key difference, of opposite signs at two x, vanishes. Several x are solved at once: most likely it does
-// between those beside where the chord vanishes, from which it bends away with the square of the distance.
+// Where the key difference, of opposite signs at two x, vanishes. Several x are solved at once, about where its chord
+// vanishes, from which it bends away with the square of their distance; every third time evenly, so that it ends.
 double Visibility::solve_crossing(const Span& fresh, const Span& old, KeyDifference left, KeyDifference right) const {
   constexpr int kCount = 4;
   const auto chord_root = [&] { return left.x + (right.x - left.x) * left.d / (left.d - right.d); };
+  if (fresh.piece->planar && old.piece->planar) return chord_root();
   for (int round = 0; round < 60 && right.x - left.x > kCrossingTolerance; ++round) {
     const double width = right.x - left.x, middle = chord_root();
-    const double far = std::clamp(0.25 * width * width, kCrossingTolerance, 0.25 * width);
-    const double near = std::clamp(0.0625 * far, 0.4 * kCrossingTolerance, 0.25 * far);
+    const double far = std::min(0.25 * width, std::max(0.25 * width * width, kCrossingTolerance));
+    const double near = std::min(0.25 * far, std::max(0.0625 * far, 0.4 * kCrossingTolerance));
     const double steps[kCount] = {-far, -near, near, far};
     double x[kCount];
     for (int k = 0; k < kCount; ++k) {
