@@ -28,7 +28,7 @@ class BandPainter {
               Sections* sections, int thread, const Frame& frame);
 
   // Draws the rows [first_row, end_row), a band of them. `patches`: indices of those whose y range
-  // may meet them, in a fixed order, best nearest first.
+  // may meet them, in a fixed order, best those first that may hide others.
   void paint(int first_row, int end_row, const std::vector<int32_t>& patches);
   const BandTimes& times() const { return times_; }
 

@@ -18,6 +18,7 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
   if (is_off_screen(net, camera)) return false;
   out->before_eye = true;
   out->one_band = false;
+  out->order = -INFINITY;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) out->before_eye &= p[kW] > 0;
   if (!out->before_eye) {
     const Interval all{-INFINITY, INFINITY};
@@ -28,7 +29,25 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
   const Interval y = range[kY];
   if (!planes.any_in(y.lo, y.hi)) return false;
   out->hull = hull_bounds(net, range[kX], y, range[kZ]);
+  out->order = out->hull.key.lo;
   out->one_band = !planes.locates_level_edges() && planes.band_of(y.lo) == planes.band_of(y.hi);
+  return true;
+}
+
+// Whether the patch, before the eye, bounds a closed body and faces away from the eye at its corners.
+bool faces_away(const Scene& scene, int32_t face, const Net& net) {
+  const int64_t use = scene.face_body_offsets[face];
+  if (scene.face_body_offsets[face + 1] != use + 1) return false;
+  const double outward = scene.face_bodies[use].outward;
+  const auto step = [](const double* p, const double* q, Component c) { return q[c] / q[kW] - p[c] / p[kW]; };
+  for (const int i : {0, net.n}) {
+    for (const int j : {0, net.m}) {
+      const double *p = net.at(i, j), *a = net.at(i == 0 ? 1 : i - 1, j), *b = net.at(i, j == 0 ? 1 : j - 1);
+      const double jacobian = step(p, a, kX) * step(p, b, kY) - step(p, b, kX) * step(p, a, kY);
+      const double sign = (i == 0) == (j == 0) ? outward : -outward;  // steps back change it
+      if (!(sign * jacobian > 0)) return false;
+    }
+  }
   return true;
 }
 
@@ -53,7 +72,7 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
       depth.include(camera.depth(placed.hull.key.lo)), depth.include(camera.depth(placed.hull.key.hi));
   }
   if (depth.lo <= depth.hi) depth_tie_ = 1e-11 * depth.magnitude() + 1e-10 * depth.width();
-  sort_by_key();
+  sort();
   slots_ = std::make_unique<Slot[]>(patches_.size());
   for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes), {}, {}});
 }
@@ -64,7 +83,7 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   for (std::size_t face = 0; face < scene.model.face_count; ++face) {
     const int32_t d = scene.model.face_definition[face];
     for (std::size_t k = scene.patch_offsets[d]; k < scene.patch_offsets[d + 1]; ++k) {
-      all.push_back({int32_t(face), &scene.patches[k], {}, false, false, false});
+      all.push_back({int32_t(face), &scene.patches[k], {}, 0.0, false, false, false});
     }
   }
   std::vector<uint8_t> shown(all.size());
@@ -75,6 +94,8 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
       const Sections::Side side = sections ? sections->side(net) : Sections::Side::kept;
       all[k].cut = side == Sections::Side::cut;
       shown[k] = side != Sections::Side::removed && bound_patch(net, camera, planes, &all[k]);
+      // Its own body hides it, most likely by what is not much nearer: that is to be drawn before.
+      if (shown[k] && all[k].before_eye && faces_away(scene, all[k].face, net)) all[k].order = all[k].hull.key.mid();
     }
   });
   for (std::size_t k = 0; k < all.size(); ++k) {
@@ -82,10 +103,10 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   }
 }
 
-void FramePatches::sort_by_key() {
+void FramePatches::sort() {
   std::vector<std::pair<double, int32_t>> order;
   order.reserve(patches_.size());
-  for (const PlacedPatch& patch : patches_) order.emplace_back(patch.hull.key.lo, int32_t(order.size()));
+  for (const PlacedPatch& patch : patches_) order.emplace_back(patch.order, int32_t(order.size()));
   std::sort(order.begin(), order.end());
   std::vector<PlacedPatch> sorted;
   sorted.reserve(patches_.size());

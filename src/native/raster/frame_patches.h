@@ -15,6 +15,7 @@ struct PlacedPatch {
   int32_t face;
   const Scene::PatchRef* patch;
   HullBounds hull;
+  double order;      // patches are drawn in ascending order of this key
   bool before_eye;   // all of it; else the bounds are infinite
   bool one_band;     // the planes that may meet it are all of one band
   bool cut = false;  // a section plane may run through it
@@ -27,8 +28,8 @@ std::vector<std::vector<int32_t>> sort_into_bands(const std::vector<PlacedPatch>
 
 class FramePatches {
  public:
-  // Projects all patches and keeps those that some scan plane may meet, nearest first; with `sections` (else null)
-  // only what these leave.
+  // Projects all patches and keeps those that some scan plane may meet, those first that may hide others; with
+  // `sections` (else null) only what these leave.
   FramePatches(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads,
                const Sections* sections = nullptr);
 
@@ -63,7 +64,7 @@ class FramePatches {
   };
 
   void place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads, const Sections* sections);
-  void sort_by_key();
+  void sort();
   bool build(int32_t index, Worker& worker, const HiddenTest* hidden);
   template <class Value>
   int64_t sum_of_used(Value value) const;
