@@ -14,8 +14,9 @@ namespace {
 constexpr double kSameTurn = 1e-9;      // of a piece
 constexpr int kMaxDepth = 100;          // halvings of one patch, both directions together
 constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch needs a few hundred
-// A curved piece larger than this is split even if certified: depth bounds and first guesses get poor.
-constexpr double kLargestPiece = 256.0;
+// A curved piece larger than this is split even if certified: bounds get poor and digits are lost. Where a degree is
+// beyond 3, smaller pieces pay by needing fewer powers (CentredNet).
+constexpr double kLargestPiece = 1024.0, kLargestCostlyPiece = 128.0;
 // Certified pieces that many planes meet are halved up to so many times more where their bounds are poor: folds without
 // shears, and what may bend, on all planes together, by more than this many times its width.
 constexpr int kMaxCalmings = 4;
@@ -227,7 +228,8 @@ void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
                                                                            node.turn, node.key_jacobian, scales_)
                                                              : certify_cut(net, all_bounds());
   if (certificate.kind != CutKind::uncertain) {
-    const bool small = x.width() <= kLargestPiece && y.width() <= kLargestPiece;
+    const double largest = std::max(net.n, net.m) > 3 ? kLargestCostlyPiece : kLargestPiece;
+    const bool small = x.width() <= largest && y.width() <= largest;
     const bool last = depth >= kMaxDepth || is_planar(net, range[kZ]);
     if (small || last) {
       const Halve parameter = last ? Halve::either : calming(node, certificate, all_bounds());
