@@ -11,10 +11,10 @@
 
 namespace nofacet {
 
-// For types without constructors or destructors that matter: what is taken is not initialized.
+// For types without destructors that matter: what is taken is not initialized.
 template <class T>
 class Arena {
-  static_assert(std::is_trivially_destructible_v<T> && std::is_trivially_copyable_v<T>);
+  static_assert(std::is_trivially_destructible_v<T>);
 
  public:
   T* take(std::size_t count) {

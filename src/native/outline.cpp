@@ -16,17 +16,18 @@ Outline outline(const Scene& scene, const Camera& camera) {
   std::vector<Span> spans;
   std::vector<std::vector<Interval>> rows(camera.height);
   for (std::size_t k = 0; k < patches.patches().size(); ++k) {
-    const auto [begin, end] = patches.pieces(int32_t(k), 0);
-    for (const Piece* piece = begin; piece != end; ++piece) {
-      const auto first = std::lower_bound(y.begin(), y.end(), piece->hull.y.lo);
-      const auto last = std::upper_bound(first, y.end(), piece->hull.y.hi);
+    const int32_t index = int32_t(k);
+    const auto all = [](const HullBounds&) { return true; };
+    patches.visit({&index, 1}, 0, all, [&](const Piece& piece) {
+      const auto first = std::lower_bound(y.begin(), y.end(), piece.hull.y.lo);
+      const auto last = std::upper_bound(first, y.end(), piece.hull.y.hi);
       spans.clear();
-      maker.append(*piece, y.data() + (first - y.begin()), int(last - first), int(first - y.begin()), camera.width,
+      maker.append(piece, y.data() + (first - y.begin()), int(last - first), int(first - y.begin()), camera.width,
                    spans);
       for (const Span& span : spans) {
         rows[span.plane].push_back({std::max(span.x0, 0.0), std::min(span.x1, double(camera.width))});
       }
-    }
+    });
   }
   Outline result;
   result.offsets.push_back(0);

@@ -46,6 +46,7 @@ struct ComponentRanges {
   double lo[4] = {0, 0, 0, 0}, hi[4] = {0, 0, 0, 0};
 
   Interval operator[](int c) const { return {lo[c], hi[c]}; }
+  void set(int c, Interval range) { lo[c] = range.lo, hi[c] = range.hi; }
 };
 // Of a net and of the control points of its first and second derivatives.
 struct DifferenceRanges {

@@ -42,8 +42,7 @@ BandPainter::BandPainter(const Scene& scene, const Camera& camera, const ScanPla
       thread_(thread),
       frame_(frame),
       visibility_(camera, patches.depth_tie()),
-      average_(scene, camera, frame, visibility_),
-      hidden_test_([this](const HullBounds& hull) { return hidden(hull); }) {
+      average_(scene, camera, frame, visibility_) {
   if (sections) cuts_.emplace(scene, *sections, thread);
 }
 
@@ -52,8 +51,11 @@ void BandPainter::paint(int first_row, int end_row, const std::vector<int32_t>& 
   band_patches_ = &patches;
   watch_.restart();
   lay_planes();
+  const double opening = patches_.opening_seconds(thread_);
   cut_patches();
   watch_.lap(times_.visibility);
+  times_.subdivide += patches_.opening_seconds(thread_) - opening;
+  times_.visibility -= patches_.opening_seconds(thread_) - opening;
   if (planes_.centre()) solve_values();
   watch_.lap(times_.shade);
   for (int row = first_row; row < end_row && (frame_.color || frame_.coverage); ++row) {
@@ -101,14 +103,10 @@ void BandPainter::cut_patches() {
   spans_.reuse();
   order_ = 0;
   if (cuts_) insert_caps(plane_y_.data(), int(plane_y_.size()), lines_.data());
-  for (std::size_t k = 0; k < band_patches_->size(); ++k) {
-    const int32_t index = (*band_patches_)[k];
-    const PlacedPatch& patch = patches_.patches()[index];
-    if (hidden(patch.hull)) continue;
-    watch_.lap(times_.visibility);
-    const auto [piece, end] = patches_.pieces(index, thread_, &hidden_test_, std::span(*band_patches_).subspan(k + 1));
-    watch_.lap(times_.subdivide);
-    for (const Piece* p = piece; p != end; ++p) cut_piece(*p, patch.cut);
+  const auto needs = [&](const HullBounds& hull) { return !hidden(hull); };
+  for (std::span<const int32_t> rest = *band_patches_; !rest.empty(); rest = rest.subspan(1)) {
+    const bool sectioned = patches_.patches()[rest[0]].cut;
+    patches_.visit(rest, thread_, needs, [&](const Piece& piece) { cut_piece(piece, sectioned); });
   }
 }
 
@@ -277,17 +275,15 @@ const ScanLine& BandPainter::cut_level(double y) {
   ScanLine& line = level_lines_[level_count_++];
   line.clear(y);
   if (cuts_) insert_caps(&y, 1, &line);
-  for (const int32_t index : *band_patches_) {
-    const PlacedPatch& patch = patches_.patches()[index];
-    if (!(patch.hull.y.lo <= y && y <= patch.hull.y.hi) || hidden(patch.hull, line)) continue;
-    const auto [piece, end] = patches_.pieces(index, thread_);
-    for (const Piece* p = piece; p != end; ++p) {
-      if (!(p->hull.y.lo <= y && y <= p->hull.y.hi) || hidden(p->hull, line)) continue;
+  const auto needs = [&](const HullBounds& hull) { return hull.y.lo <= y && y <= hull.y.hi && !hidden(hull, line); };
+  for (std::span<const int32_t> rest = *band_patches_; !rest.empty(); rest = rest.subspan(1)) {
+    patches_.visit(rest, thread_, needs, [&](const Piece& piece) {
+      if (!needs(piece.hull)) return;
       made_.clear();
-      maker_.append(*p, &y, 1, 0, camera_.width, made_);
-      if (patch.cut) cuts_->remove(*p, made_);
-      insert_spans(*p, &line);
-    }
+      maker_.append(piece, &y, 1, 0, camera_.width, made_);
+      if (patches_.patches()[rest[0]].cut) cuts_->remove(piece, made_);
+      insert_spans(piece, &line);
+    });
   }
   return line;
 }

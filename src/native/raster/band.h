@@ -63,7 +63,6 @@ class BandPainter {
   SpanMaker maker_;
   Visibility visibility_;
   RowAverage average_;
-  HiddenTest hidden_test_;
   std::optional<SectionCuts> cuts_;
   Stopwatch watch_;
   BandTimes times_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "parallel.h"
 #include "placed_patch.h"
@@ -12,17 +11,16 @@ namespace nofacet {
 namespace {
 
 constexpr std::size_t kTaskPatches = 64;  // patches handed to a thread at a time
+constexpr int kMaxParts = 1 << 20;        // opened of one patch; an honest one needs a few hundred
 
 // Bounds of the patch from its projected control points; false if it is off the screen, or behind the eye.
 bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes, PlacedPatch* out) {
   if (is_off_screen(net, camera)) return false;
   out->before_eye = true;
-  out->one_band = false;
   out->order = -INFINITY;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) out->before_eye &= p[kW] > 0;
   if (!out->before_eye) {
-    const Interval all{-INFINITY, INFINITY};
-    out->hull = {all, all, all, {-INFINITY, 0.0, 0.0, 0.0}, 0.0, all};
+    out->hull = kUnbounded;
     return true;
   }
   const ComponentRanges range = ratio_ranges(net);
@@ -30,7 +28,6 @@ bool bound_patch(const Net& net, const Camera& camera, const ScanPlanes& planes,
   if (!planes.any_in(y.lo, y.hi)) return false;
   out->hull = hull_bounds(net, range[kX], y, range[kZ]);
   out->order = out->hull.key.lo;
-  out->one_band = !planes.locates_level_edges() && planes.band_of(y.lo) == planes.band_of(y.hi);
   return true;
 }
 
@@ -73,8 +70,9 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
   }
   if (depth.lo <= depth.hi) depth_tie_ = 1e-11 * depth.magnitude() + 1e-10 * depth.width();
   sort();
-  slots_ = std::make_unique<Slot[]>(patches_.size());
-  for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes), {}, {}});
+  wholes_ = std::make_unique<Whole[]>(patches_.size());
+  for (std::size_t k = 0; k < patches_.size(); ++k) wholes_[k].hull = patches_[k].hull;
+  for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes)});
 }
 
 void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads,
@@ -83,7 +81,7 @@ void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPla
   for (std::size_t face = 0; face < scene.model.face_count; ++face) {
     const int32_t d = scene.model.face_definition[face];
     for (std::size_t k = scene.patch_offsets[d]; k < scene.patch_offsets[d + 1]; ++k) {
-      all.push_back({int32_t(face), &scene.patches[k], {}, 0.0, false, false, false});
+      all.push_back({int32_t(face), &scene.patches[k], {}, 0.0, false, false});
     }
   }
   std::vector<uint8_t> shown(all.size());
@@ -114,60 +112,43 @@ void FramePatches::sort() {
   patches_.swap(sorted);
 }
 
-std::pair<const Piece*, const Piece*> FramePatches::pieces(int32_t index, int thread, const HiddenTest* hidden,
-                                                           std::span<const int32_t> next) {
-  Slot& slot = slots_[index];
-  Worker& worker = workers_[thread];
-  build(index, worker, patches_[index].one_band ? hidden : nullptr);
-  std::size_t ahead = 0;
-  while (slot.state.load(std::memory_order_acquire) != kReady) {
-    while (ahead < next.size() && (patches_[next[ahead]].one_band || !build(next[ahead], worker, nullptr))) ++ahead;
-    if (ahead == next.size()) std::this_thread::yield();
+// Opens a part unless some thread has begun to; whether it did.
+bool FramePatches::open(int32_t patch, Part& part, Worker& worker) {
+  int state = Part::kClosed;
+  if (!part.state.compare_exchange_strong(state, Part::kInWork, std::memory_order_acquire)) return false;
+  if (wholes_[patch].opened.fetch_add(1, std::memory_order_relaxed) < kMaxParts) {
+    worker.builder.open(patches_[patch].face, *patches_[patch].patch, part);
+  } else {
+    part.unresolved = 1;
   }
-  if (!slot.used.load(std::memory_order_relaxed)) slot.used.store(true, std::memory_order_relaxed);
-  return {slot.pieces, slot.pieces + slot.count};
-}
-
-// Makes the pieces of a patch unless some thread has begun to; whether it did.
-bool FramePatches::build(int32_t index, Worker& worker, const HiddenTest* hidden) {
-  Slot& slot = slots_[index];
-  int state = slot.state.load(std::memory_order_acquire);
-  if (state != kUntouched || !slot.state.compare_exchange_strong(state, kInWork, std::memory_order_acquire)) {
-    return false;
-  }
-  const int64_t before = worker.builder.unresolved();
-  worker.found.clear();
-  worker.builder.add_patch(patches_[index].face, *patches_[index].patch, hidden, worker.found);
-  Piece* kept = worker.arena.take(worker.found.size());
-  std::copy(worker.found.begin(), worker.found.end(), kept);
-  slot.pieces = kept;
-  slot.count = int32_t(worker.found.size());
-  slot.unresolved = worker.builder.unresolved() - before;
-  slot.state.store(kReady, std::memory_order_release);
+  part.state.store(Part::kOpen, std::memory_order_release);
   return true;
 }
 
-template <class Value>
-int64_t FramePatches::sum_of_used(Value value) const {
-  int64_t sum = 0;
-  for (std::size_t k = 0; k < patches_.size(); ++k) {
-    if (slots_[k].used) sum += value(slots_[k]);
-  }
-  return sum;
+// Counts what is in a part that no thread has visited yet.
+void FramePatches::count(int32_t patch, Part& part, Worker& worker) {
+  if (part.used.exchange(true, std::memory_order_relaxed)) return;
+  worker.pieces += part.piece_count;
+  worker.unresolved += part.unresolved;
+  if (part.unresolved > 0) worker.unresolved_faces.push_back(patches_[patch].face);
 }
 
 int64_t FramePatches::piece_count() const {
-  return sum_of_used([](const Slot& slot) { return slot.count; });
+  int64_t sum = 0;
+  for (const Worker& worker : workers_) sum += worker.pieces;
+  return sum;
 }
 
 int64_t FramePatches::unresolved() const {
-  return sum_of_used([](const Slot& slot) { return slot.unresolved; });
+  int64_t sum = 0;
+  for (const Worker& worker : workers_) sum += worker.unresolved;
+  return sum;
 }
 
 std::vector<int32_t> FramePatches::unresolved_faces() const {
   std::vector<int32_t> faces;
-  for (std::size_t k = 0; k < patches_.size(); ++k) {
-    if (slots_[k].used && slots_[k].unresolved > 0) faces.push_back(patches_[k].face);
+  for (const Worker& worker : workers_) {
+    faces.insert(faces.end(), worker.unresolved_faces.begin(), worker.unresolved_faces.end());
   }
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());

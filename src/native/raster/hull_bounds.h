@@ -1,5 +1,7 @@
 // Where a net lies on the screen and how near, from its control points.
 #pragma once
+#include <cmath>
+
 #include "raster/key_plane.h"
 
 namespace nofacet {
@@ -17,6 +19,10 @@ struct HullBounds {
     return intersect(x, leaning);
   }
 };
+
+// Of what may be anywhere.
+inline constexpr Interval kAnywhere{-INFINITY, INFINITY};
+inline constexpr HullBounds kUnbounded{kAnywhere, kAnywhere, kAnywhere, {-INFINITY, 0.0, 0.0, 0.0}, 0.0, kAnywhere};
 
 // x, y, key: ranges of the net's control points. All weights must be positive.
 HullBounds hull_bounds(const Net& net, Interval x, Interval y, Interval key);

@@ -28,12 +28,21 @@ class Progress {
     // Evenly enough; at 1 the formula below would divide by zero.
     q_ = std::fabs(q) > kEven ? std::clamp(q, kSmallest - 1.0, 1.0 - kSmallest) : 0.0;
   }
+  // The root of q p^2 + (1 - q) p - t by the formula in single precision, and a step of Newton's method, whose slope is
+  // the formula's own square root: many times faster than a root and a division in double.
   HWY_INLINE Vec at(Lanes d, Vec x) const {
     const Vec t = hn::Mul(hn::Sub(x, hn::Set(d, x0_)), hn::Set(d, scale_));
     if (q_ == 0.0) return t;
-    const Vec linear = hn::Set(d, 1.0 - q_), square = hn::Set(d, (1.0 - q_) * (1.0 - q_));
-    const Vec root = hn::Sqrt(hn::Max(hn::MulAdd(hn::Set(d, 4.0 * q_), t, square), hn::Zero(d)));
-    return hn::Div(hn::Add(t, t), hn::Add(linear, root));
+    const hn::Rebind<float, Lanes> half;
+    const Vec q = hn::Set(d, q_), linear = hn::Set(d, 1.0 - q_);
+    const Vec square = hn::MulAdd(hn::Set(d, 4.0 * q_), t, hn::Mul(linear, linear));
+    const auto wide = hn::Max(hn::DemoteTo(half, square), hn::Set(half, kSmallestSquare));
+    auto inverse = hn::ApproximateReciprocalSqrt(wide);
+    const auto halved = hn::Mul(hn::Set(half, 0.5f), wide);
+    inverse = hn::Mul(inverse, hn::NegMulAdd(hn::Mul(halved, inverse), inverse, hn::Set(half, 1.5f)));
+    const Vec by_root = hn::PromoteTo(d, inverse), root = hn::Mul(hn::PromoteTo(d, wide), by_root);
+    const Vec p = hn::Mul(hn::Sub(root, linear), hn::Set(d, 0.5 / q_));
+    return hn::NegMulAdd(hn::MulSub(hn::MulAdd(q, p, linear), p, t), by_root, p);
   }
   double x(double p) const { return x0_ + length_ * p * (1.0 - q_ + q_ * p); }
   // dx / dp.
@@ -41,6 +50,7 @@ class Progress {
 
  private:
   static constexpr double kEven = 0.05, kSmallest = 1e-9;
+  static constexpr float kSmallestSquare = 1e-24f;
 
   double x0_, length_, scale_, q_;
 };

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kSameTurn = 1e-9;      // of a piece
 constexpr int kMaxDepth = 100;          // halvings of one patch, both directions together
-constexpr int64_t kMaxNodes = 1 << 22;  // visits for one patch; an honest patch needs a few hundred
 // A curved piece larger than this is split even if certified: bounds get poor and digits are lost. Where a degree is
 // beyond 3, smaller pieces pay by needing fewer powers (CentredNet).
 constexpr double kLargestPiece = 1024.0, kLargestCostlyPiece = 128.0;
@@ -83,6 +82,12 @@ Interval weight_range(const Net& net) {
   return weight;
 }
 
+bool is_distorted(const Net& net, const Camera& camera) {
+  if (!camera.perspective) return false;
+  const Interval weight = weight_range(net);
+  return weight.lo * kLargestDepthRatio < weight.hi;
+}
+
 // Appends the parameters at which the border of control points first, first + stride, ... turns in the screen's y.
 void append_turns(const double* first, int degree, std::size_t stride, std::vector<double>& out) {
   // Control points whose y runs one way are those of a curve whose y does (variation diminishing property).
@@ -127,144 +132,136 @@ Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const 
   return net;
 }
 
-void PieceBuilder::add_patch(int32_t face, const Scene::PatchRef& patch, const HiddenTest* hidden,
-                             std::vector<Piece>& out) {
+void PieceBuilder::open(int32_t face, const Scene::PatchRef& patch, Part& part) {
   face_ = face;
   patch_ = &patch;
   region_ = scene_.regions[scene_.model.face_definition[face]].get();
-  hidden_ = hidden;
-  out_ = &out;
-  nodes_ = 0;
+  found_pieces_.clear(), found_parts_.clear();
+  unresolved_ = 0;
+  PartNet net = part.closed.net.points ? part.closed : project();
+  if (find_arcs(net)) subdivide(net, part.hull);
+  store(part);
+  give_back(part.closed);
+}
 
-  const Net net = projected_net(scene_, camera_, face, patch, projected_);
-  Node root{net, {}, {}, {}, {0.0, 1.0, 0.0, 1.0}, 0};
-  carry_forms(root);
-  if (!region_) {
-    subdivide(root, nullptr, 0);
-    return;
-  }
-  Arcs arcs;
-  arcs.reserve(region_->arcs().size());
-  for (const TrimArc& arc : region_->arcs()) arcs.push_back(&arc);
-  if (arc_stack_.size() < kMaxDepth + 2) arc_stack_.resize(kMaxDepth + 2);
-  subdivide(root, &arcs, 0);
+// The whole patch.
+PartNet PieceBuilder::project() {
+  PartNet whole;
+  whole.net = projected_net(scene_, camera_, face_, *patch_, projected_);
+  whole.trimmed = region_ != nullptr;
+  whole.distorted = is_distorted(whole.net, camera_);
+  carry_forms(whole);
+  return whole;
 }
 
 // The forms of the whole patch, if they are small and it needs them: subdivision then halves them with the net.
-void PieceBuilder::carry_forms(Node& root) {
-  const Net& net = root.net;
+void PieceBuilder::carry_forms(PartNet& whole) {
+  const Net& net = whole.net;
   if (net.n > kMaxJacobianDegree || net.m > kMaxJacobianDegree) return;
-  scales_.rational = false;
-  scales_.weight = INFINITY;
+  CarriedForms scales;
+  scales.weight = INFINITY;
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) {
-    scales_.weight = std::min(scales_.weight, p[kW]);
-    scales_.rational |= p[kW] != 1.0;
+    scales.weight = std::min(scales.weight, p[kW]);
+    scales.rational |= p[kW] != 1.0;
   }
-  if (!(scales_.weight > 0)) return;
-  const JacobianDegrees degrees(net.n, net.m, scales_.rational);
-  root.jacobian = {degrees.j_n, degrees.j_m, nullptr};
-  root.turn = {degrees.turn_n, degrees.turn_m, nullptr};
-  root.key_jacobian = root.jacobian;
-  forms_.resize(2 * root.jacobian.size() + root.turn.size());
-  root.jacobian.coefficients = forms_.data();
-  scales_.jacobian_terms = jacobian_form(net, scales_.rational, kX, root.jacobian);
-  const auto [lo, hi] = std::minmax_element(forms_.data(), forms_.data() + root.jacobian.size());
+  if (!(scales.weight > 0)) return;
+  const JacobianDegrees degrees(net.n, net.m, scales.rational);
+  whole.jacobian = {degrees.j_n, degrees.j_m, nullptr};
+  whole.turn = {degrees.turn_n, degrees.turn_m, nullptr};
+  whole.key_jacobian = whole.jacobian;
+  forms_.resize(2 * whole.jacobian.size() + whole.turn.size());
+  whole.jacobian.coefficients = forms_.data();
+  scales.jacobian_terms = jacobian_form(net, scales.rational, kX, whole.jacobian);
+  CarriedForms* stored = scale_arena_.take(1);
+  whole.scales = stored;
+  *stored = scales;
+  const auto [lo, hi] = std::minmax_element(forms_.data(), forms_.data() + whole.jacobian.size());
   if (*lo > 0 || *hi < 0) return;  // no folds
-  root.turn.coefficients = forms_.data() + root.jacobian.size();
-  scales_.turn_terms = turn_form(net, scales_.rational, root.jacobian, root.turn);
-  root.key_jacobian.coefficients = root.turn.coefficients + root.turn.size();
-  jacobian_form(net, scales_.rational, kZ, root.key_jacobian);
+  whole.turn.coefficients = forms_.data() + whole.jacobian.size();
+  stored->turn_terms = turn_form(net, scales.rational, whole.jacobian, whole.turn);
+  whole.key_jacobian.coefficients = whole.turn.coefficients + whole.turn.size();
+  jacobian_form(net, scales.rational, kZ, whole.key_jacobian);
 }
 
-void PieceBuilder::subdivide(const Node& node, const Arcs* arcs, int depth) {
-  const Net& net = node.net;
-  const Box& box = node.box;
-  if (++nodes_ > kMaxNodes) {
-    ++unresolved_;
-    return;
+// Finds the trim arcs that still run through the part; without any it is inside or outside as a whole. Whether some of
+// it may be inside.
+bool PieceBuilder::find_arcs(PartNet& part) {
+  arcs_.clear();
+  if (!part.trimmed) return true;
+  const Interval u{patch_->u.face_from_patch(part.s0), patch_->u.face_from_patch(part.s1)};
+  const Interval v{patch_->v.face_from_patch(part.t0), patch_->v.face_from_patch(part.t1)};
+  const auto add = [&](const TrimArc& arc) {
+    const Interval au = arc.u_range(), av = arc.v_range();
+    if (au.hi >= u.lo && au.lo <= u.hi && av.hi >= v.lo && av.lo <= v.hi) arcs_.push_back(&arc);
+  };
+  if (part.arcs.empty()) {
+    for (const TrimArc& arc : region_->arcs()) add(arc);
+  } else {
+    for (const TrimArc* arc : part.arcs) add(*arc);
   }
-  // Off the screen, or between two planes; bounds of a distorted piece (below) say nothing of that.
-  const Interval weight = weight_range(net);
-  const bool distorted = camera_.perspective && weight.lo * kLargestDepthRatio < weight.hi;
-  if (distorted && is_off_screen(net, camera_)) return;
-  const ComponentRanges range = distorted ? ComponentRanges{} : ratio_ranges(net);
-  const Interval x = range[kX], y = range[kY];
-  if (!distorted) {
-    if (x.hi < 0 || x.lo > camera_.width || !planes_.any_in(y.lo, y.hi)) return;
-    if (hidden_ && (*hidden_)(hull_bounds(net, x, y, range[kZ]))) return;
-  }
+  part.trimmed = !arcs_.empty();
+  return part.trimmed || region_->contains(u.mid(), v.mid());
+}
 
-  // The trim arcs that still run through the piece; without any it is inside or outside as a whole.
-  if (arcs) {
-    Arcs& kept = arc_stack_[depth];
-    kept.clear();
-    const Interval u{patch_->u.face_from_patch(box.s0), patch_->u.face_from_patch(box.s1)};
-    const Interval v{patch_->v.face_from_patch(box.t0), patch_->v.face_from_patch(box.t1)};
-    for (const TrimArc* arc : *arcs) {
-      const Interval au = arc->u_range(), av = arc->v_range();
-      if (au.hi >= u.lo && au.lo <= u.hi && av.hi >= v.lo && av.lo <= v.hi) kept.push_back(arc);
-    }
-    arcs = &kept;
-    if (kept.empty()) {
-      if (!region_->contains(u.mid(), v.mid())) return;
-      arcs = nullptr;
-    }
-  }
-
-  // A piece that crosses the eye plane, or whose depths differ by much, is distorted beyond any bound: halve it in
-  // space. What is in front shrinks towards the eye itself, where nothing is visible.
-  if (distorted) {
-    if (depth < kMaxDepth) {
-      halve(node, arcs, depth, space_length(net, true) >= space_length(net, false));
-    } else if (weight.lo > 0) {
+void PieceBuilder::subdivide(const PartNet& part, const HullBounds& hull) {
+  const Net& net = part.net;
+  // What is distorted beyond any bound: halve it in space. What is in front shrinks towards the eye itself, where
+  // nothing is visible.
+  if (part.distorted) {
+    if (part.depth < kMaxDepth) {
+      halve(part, space_length(net, true) >= space_length(net, false));
+    } else if (weight_range(net).lo > 0) {
       ++unresolved_;
     }
     return;
   }
 
-  std::optional<NetBounds> bounds;  // many nodes need no more than the forms that they carry
+  const Interval x = hull.x, y = hull.y;
+  ComponentRanges range;
+  range.set(kX, hull.x), range.set(kY, hull.y), range.set(kZ, hull.key);
+  std::optional<NetBounds> bounds;  // many parts need no more than the forms that they carry
   const auto all_bounds = [&]() -> const NetBounds& { return bounds ? *bounds : bounds.emplace(net, range); };
-  const Certificate certificate = node.jacobian.coefficients ? certify_cut(slope_bounds(net, y), node.jacobian,
-                                                                           node.turn, node.key_jacobian, scales_)
+  const Certificate certificate = part.jacobian.coefficients ? certify_cut(slope_bounds(net, y), part.jacobian,
+                                                                           part.turn, part.key_jacobian, *part.scales)
                                                              : certify_cut(net, all_bounds());
   if (certificate.kind != CutKind::uncertain) {
     const double largest = std::max(net.n, net.m) > 3 ? kLargestCostlyPiece : kLargestPiece;
     const bool small = x.width() <= largest && y.width() <= largest;
-    const bool last = depth >= kMaxDepth || is_planar(net, range[kZ]);
+    const bool last = part.depth >= kMaxDepth || is_planar(net, hull.key);
     if (small || last) {
-      const Halve parameter = last ? Halve::either : calming(node, certificate, all_bounds());
-      if (parameter == Halve::either) return emit_certified(node, all_bounds(), certificate, arcs);
-      Node wild = node;
+      const Halve parameter = last ? Halve::either : calming(part, certificate, all_bounds());
+      if (parameter == Halve::either) return emit_certified(part, all_bounds(), hull, certificate);
+      PartNet wild = part;
       ++wild.calmings;
-      return halve(wild, arcs, depth, parameter == Halve::a);
+      return halve(wild, parameter == Halve::a);
     }
   } else {
     const bool narrow = x.width() < kNegligiblePixels, low = y.width() < kNegligiblePixels;
     if (narrow && low) {
       Piece piece{};
       piece.kind = CutKind::uncertain;
-      piece.hull = {x, y, range[kZ], {range[kZ].mid(), 0.0, 0.0, 0.5 * range[kZ].width()}, 0.0, x};
+      piece.hull = {x, y, hull.key, {hull.key.mid(), 0.0, 0.0, 0.5 * hull.key.width()}, 0.0, x};
       piece.shears = {-INFINITY, INFINITY};
-      emit(piece, net, box, arcs);
+      emit(piece, net, Box(part), part.trimmed);
       return;
     }
     if (narrow || low) return;  // seen edge-on: no area
-    if (depth >= kMaxDepth) {
+    if (part.depth >= kMaxDepth) {
       ++unresolved_;
       return;
     }
   }
-  if (certificate.kind == CutKind::uncertain && !certificate.graph && depth < kMaxDepth / 2) {
-    if (const auto core = find_level_box(net, planes_)) return peel(node, *core, arcs, depth);
+  if (certificate.kind == CutKind::uncertain && !certificate.graph && part.depth < kMaxDepth / 2) {
+    if (const auto core = find_level_box(net, planes_)) return peel(part, *core);
   }
-  halve(node, arcs, depth,
+  halve(part,
         certificate.halve == Halve::either ? shape_halves_a(net, all_bounds()) : certificate.halve == Halve::a);
 }
 
-// Which parameter to halve a certified node by, or either if that does not pay. Where little is known of how the depth
+// Which parameter to halve a certified part by, or either if that does not pay. Where little is known of how the depth
 // runs along its cuts, its spans are compared with others point by point, on every plane.
-Halve PieceBuilder::calming(const Node& node, const Certificate& certificate, const NetBounds& bounds) const {
-  if (!node.key_jacobian.coefficients || node.calmings == kMaxCalmings) return Halve::either;
+Halve PieceBuilder::calming(const PartNet& part, const Certificate& certificate, const NetBounds& bounds) const {
+  if (!part.key_jacobian.coefficients || part.calmings == kMaxCalmings) return Halve::either;
   const double planes = bounds.y.f.width() * planes_.per_row();
   const bool has_shears = certificate.shears.lo <= certificate.shears.hi;
   if (certificate.kind == CutKind::fold && !has_shears && planes > kFoldPlanes) return certificate.halve;
@@ -277,52 +274,103 @@ Halve PieceBuilder::calming(const Node& node, const Certificate& certificate, co
   return (y.fab.magnitude() >= y.fbb.magnitude()) != transposed ? Halve::a : Halve::b;
 }
 
-void PieceBuilder::halve(const Node& node, const Arcs* arcs, int depth, bool along_a) {
-  const auto [first, second] = cut(node, depth, along_a, 0.5);
-  subdivide(first, arcs, depth + 1);
-  subdivide(second, arcs, depth + 1);
+void PieceBuilder::halve(const PartNet& part, bool along_a) {
+  const auto [first, second] = cut(part, along_a, 0.5);
+  add(first);
+  add(second);
 }
 
-// Subdivides what surrounds the core side by side, and the core in the end: most likely no plane meets it.
-void PieceBuilder::peel(const Node& node, const ParameterBox& core, const Arcs* arcs, int depth) {
+// Adds what surrounds the core side by side, and the core in the end: most likely no plane meets it.
+void PieceBuilder::peel(const PartNet& part, const ParameterBox& core) {
   const bool along_a = core.a.lo > 0.0 || core.a.hi < 1.0;
   const Interval range = along_a ? core.a : core.b;
-  if (range.lo <= 0.0 && range.hi >= 1.0) return subdivide(node, arcs, depth);
   const bool first_is_side = range.lo > 0.0;
   const double t = first_is_side ? range.lo : range.hi;
-  const auto [first, second] = cut(node, depth, along_a, t);
-  const Interval rest = first_is_side ? Interval{0.0, (range.hi - t) / (1.0 - t)} : Interval{0.0, 1.0};
-  const ParameterBox inner = along_a ? ParameterBox{rest, core.b} : ParameterBox{core.a, rest};
-  subdivide(first_is_side ? first : second, arcs, depth + 1);
-  peel(first_is_side ? second : first, inner, arcs, depth + 1);
+  auto [side, rest] = cut(part, along_a, t);
+  if (!first_is_side) std::swap(side, rest);
+  add(side);
+  const Interval left = first_is_side ? Interval{0.0, (range.hi - t) / (1.0 - t)} : Interval{0.0, 1.0};
+  const ParameterBox inner = along_a ? ParameterBox{left, core.b} : ParameterBox{core.a, left};
+  const auto is_all = [](Interval part) { return part.lo <= 0.0 && part.hi >= 1.0; };
+  if (is_all(inner.a) && is_all(inner.b)) return add(rest);
+  peel(rest, inner);
+  give_back(rest);
 }
 
-std::pair<PieceBuilder::Node, PieceBuilder::Node> PieceBuilder::cut(const Node& node, int depth, bool along_a,
-                                                                    double t) {
-  if (stack_.size() < kMaxDepth + 2) stack_.resize(kMaxDepth + 2);
-  const Net& net = node.net;
-  constexpr Grid Node::* kForms[] = {&Node::jacobian, &Node::turn, &Node::key_jacobian};
-  std::size_t all = net.size();
-  for (Grid Node::* form : kForms) all += (node.*form).coefficients ? (node.*form).size() : 0;
-  if (stack_[depth].size() < 2 * all) stack_[depth].resize(2 * all);
-  double *left = stack_[depth].data(), *right = left + all;
-  Node first = node, second = node;
+std::pair<PartNet, PartNet> PieceBuilder::cut(const PartNet& part, bool along_a, double t) {
+  const Net& net = part.net;
+  constexpr Grid PartNet::* kForms[] = {&PartNet::jacobian, &PartNet::turn, &PartNet::key_jacobian};
+  std::size_t size = net.size();
+  for (Grid PartNet::* form : kForms) size += (part.*form).coefficients ? (part.*form).size() : 0;
+  PartNet first = part, second = part;
+  double *left = first.memory = blocks_.take(size), *right = second.memory = blocks_.take(size);
+  first.size = second.size = size;
+  first.depth = second.depth = part.depth + 1;
   first.net.points = left, second.net.points = right;
   split_net(net.points, net.n, net.m, 4, along_a, t, left, right);
   left += net.size(), right += net.size();
-  for (Grid Node::* form : kForms) {
-    const Grid& whole = node.*form;
+  for (Grid PartNet::* form : kForms) {
+    const Grid& whole = part.*form;
     if (!whole.coefficients) continue;
     split_net(whole.coefficients, whole.n, whole.m, 1, along_a, t, left, right);
     (first.*form).coefficients = left, (second.*form).coefficients = right;
     left += whole.size(), right += whole.size();
   }
   if (along_a) {
-    first.box.s1 = second.box.s0 = node.box.s0 + t * (node.box.s1 - node.box.s0);
+    first.s1 = second.s0 = part.s0 + t * (part.s1 - part.s0);
   } else {
-    first.box.t1 = second.box.t0 = node.box.t0 + t * (node.box.t1 - node.box.t0);
+    first.t1 = second.t0 = part.t0 + t * (part.t1 - part.t0);
   }
   return {first, second};
+}
+
+// Adds a part of the one being opened, unless it is off the screen or between two planes.
+void PieceBuilder::add(PartNet part) {
+  HullBounds hull;
+  if (bound(part, &hull)) {
+    found_parts_.push_back({hull, part});
+  } else {
+    give_back(part);
+  }
+}
+
+bool PieceBuilder::bound(PartNet& part, HullBounds* hull) const {
+  part.distorted = is_distorted(part.net, camera_);
+  if (part.distorted) {
+    *hull = kUnbounded;
+    return !is_off_screen(part.net, camera_);
+  }
+  const ComponentRanges range = ratio_ranges(part.net);
+  const Interval x = range[kX], y = range[kY];
+  if (x.hi < 0 || x.lo > camera_.width || !planes_.any_in(y.lo, y.hi)) return false;
+  *hull = hull_bounds(part.net, x, y, range[kZ]);
+  return true;
+}
+
+void PieceBuilder::store(Part& part) {
+  Piece* pieces = pieces_.take(found_pieces_.size());
+  std::copy(found_pieces_.begin(), found_pieces_.end(), pieces);
+  part.pieces = pieces;
+  part.piece_count = int32_t(found_pieces_.size());
+  part.unresolved = unresolved_;
+  if (found_parts_.empty()) return;
+  const TrimArc** arcs = arc_arena_.take(arcs_.size());
+  std::copy(arcs_.begin(), arcs_.end(), arcs);
+  // What is nearest may hide the others.
+  std::stable_sort(found_parts_.begin(), found_parts_.end(),
+                   [](const Found& p, const Found& q) { return p.hull.key.lo < q.hull.key.lo; });
+  part.part_count = int32_t(found_parts_.size());
+  part.parts = parts_.take(found_parts_.size());
+  for (std::size_t k = 0; k < found_parts_.size(); ++k) {
+    Part* inner = new (part.parts + k) Part;
+    inner->hull = found_parts_[k].hull;
+    inner->closed = found_parts_[k].net;
+    inner->closed.arcs = {arcs, arcs_.size()};
+  }
+}
+
+void PieceBuilder::give_back(const PartNet& part) {
+  if (part.memory) blocks_.give_back(part.memory, part.size);
 }
 
 namespace {
@@ -376,8 +424,8 @@ void bound_tangents(const QuotientBounds& x, const QuotientBounds& y, const Quot
 }
 
 // Fills in what a certified piece knows of its cuts.
-void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Node& node,
-                            const Box& box, Piece* piece) const {
+void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const HullBounds& hull,
+                            const Certificate& certificate, const PartNet& part, const Box& box, Piece* piece) const {
   piece->kind = certificate.kind;
   piece->transposed = certificate.transposed;
 
@@ -386,26 +434,26 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
   piece->rising = y.fb.positive();
   for (const double *p = net.points, *end = p + net.size(); p != end; p += 4) piece->rational |= p[kW] != 1.0;
   const double key_pixels = pixels_per_key(camera_, key.f);
-  piece->hull = hull_bounds(net, bounds.x.f, bounds.y.f, bounds.key.f);
+  piece->hull = hull;
   piece->planar = piece->hull.plane.error * key_pixels < kNegligiblePixels;
   const QuotientBounds x = piece->transposed ? transposed_bounds(bounds.x) : bounds.x;
   piece->key_slope = key.fa - (y.fa / y.fb) * key.fb;
-  if (node.key_jacobian.coefficients) {
+  if (part.key_jacobian.coefficients) {
     const Interval w = weight_range(net), cubed{w.lo * w.lo * w.lo, w.hi * w.hi * w.hi};
     // The form is that of the patch's own parameters.
     const double area = (box.s1 - box.s0) * (box.t1 - box.t0);
-    const Interval along = node.key_jacobian.range() * (piece->transposed ? -area : area);
+    const Interval along = part.key_jacobian.range() * (piece->transposed ? -area : area);
     piece->key_slope = intersect(piece->key_slope, along / (y.fb * cubed));
     piece->shears = piece->kind == CutKind::fold
                         ? certificate.shears
-                        : slopes(node.key_jacobian, node.jacobian, kRoundingMargin * scales_.jacobian_terms);
-  } else if (node.jacobian.coefficients && !piece->planar) {
+                        : slopes(part.key_jacobian, part.jacobian, kRoundingMargin * part.scales->jacobian_terms);
+  } else if (part.jacobian.coefficients && !piece->planar) {
     // Without folds the depth's form is not carried along.
     double forms[2 * kMaxJacobianSize];
-    Grid jacobian = node.jacobian, key_jacobian = node.jacobian;
+    Grid jacobian = part.jacobian, key_jacobian = part.jacobian;
     jacobian.coefficients = forms, key_jacobian.coefficients = forms + kMaxJacobianSize;
-    const double terms = jacobian_form(net, scales_.rational, kX, jacobian);
-    jacobian_form(net, scales_.rational, kZ, key_jacobian);
+    const double terms = jacobian_form(net, part.scales->rational, kX, jacobian);
+    jacobian_form(net, part.scales->rational, kZ, key_jacobian);
     piece->shears = slopes(key_jacobian, jacobian, kRoundingMargin * terms);
   } else if (piece->kind == CutKind::fold) {
     piece->shears = piece->key_slope.one_signed() ? Interval{0.0, 0.0} : Interval::empty();
@@ -421,9 +469,9 @@ void PieceBuilder::describe(const Net& net, const NetBounds& bounds, const Certi
 
 // Stores a certified piece with the turns of the borders along its cuts. A trimmed one is cut at them instead: then no
 // scan plane meets a border twice, and what lies between two trim crossings is one stretch.
-void PieceBuilder::emit_certified(const Node& node, const NetBounds& bounds, const Certificate& certificate,
-                                  const Arcs* arcs) {
-  const Net& net = node.net;
+void PieceBuilder::emit_certified(const PartNet& part, const NetBounds& bounds, const HullBounds& hull,
+                                  const Certificate& certificate) {
+  const Net& net = part.net;
   const bool across = certificate.transposed;
   const int degree = across ? net.m : net.n;
   const std::size_t stride = across ? 4 : 4 * std::size_t(net.m + 1);
@@ -431,19 +479,19 @@ void PieceBuilder::emit_certified(const Node& node, const NetBounds& bounds, con
   append_turns(net.at(0, 0), degree, stride, turns_);
   const std::size_t first_count = turns_.size();
   append_turns(across ? net.at(net.n, 0) : net.at(0, net.m), degree, stride, turns_);
-  if (arcs && !turns_.empty()) return emit_cut_at_turns(node, certificate, arcs);
+  if (part.trimmed && !turns_.empty()) return emit_cut_at_turns(part, certificate);
   Piece piece{};
-  describe(net, bounds, certificate, node, node.box, &piece);
+  describe(net, bounds, hull, certificate, part, Box(part), &piece);
   double* turns = turn_arena_.take(turns_.size());
   std::copy(turns_.begin(), turns_.end(), turns);
   piece.turns = turns;
   piece.turn_count[0] = int32_t(first_count), piece.turn_count[1] = int32_t(turns_.size() - first_count);
-  emit(piece, net, node.box, arcs);
+  emit(piece, net, Box(part), part.trimmed);
 }
 
-void PieceBuilder::emit_cut_at_turns(const Node& node, const Certificate& certificate, const Arcs* arcs) {
-  const Net& net = node.net;
-  const Box& box = node.box;
+void PieceBuilder::emit_cut_at_turns(const PartNet& part, const Certificate& certificate) {
+  const Net& net = part.net;
+  const Box box(part);
   std::sort(turns_.begin(), turns_.end());
   // Both borders may turn at one place but for rounding. What lies between would be all rounding, and a border that
   // turns so near its end goes back by the square of that.
@@ -465,15 +513,17 @@ void PieceBuilder::emit_cut_at_turns(const Node& node, const Certificate& certif
       restrict_net(net, from, to, 0.0, 1.0, part_.data());
       inner.s0 = box.s0 + from * (box.s1 - box.s0), inner.s1 = box.s0 + to * (box.s1 - box.s0);
     }
-    const Net part{net.n, net.m, part_.data()};
+    const Net stretch{net.n, net.m, part_.data()};
+    const NetBounds bounds(stretch);
     Piece piece{};
-    describe(part, NetBounds(part), certificate, node, inner, &piece);
-    emit(piece, part, inner, arcs);
+    describe(stretch, bounds, hull_bounds(stretch, bounds.x.f, bounds.y.f, bounds.key.f), certificate, part, inner,
+             &piece);
+    emit(piece, stretch, inner, true);
     from = to;
   }
 }
 
-void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs) {
+void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, bool trimmed) {
   double* points = nets_.take(net.size());
   piece.net = {net.n, net.m, points};
   if (piece.transposed) {
@@ -488,14 +538,14 @@ void PieceBuilder::emit(Piece& piece, const Net& net, const Box& box, const Arcs
   if (piece.kind != CutKind::uncertain) {
     piece.centred = centre_net(piece.net, pixels_per_key(camera_, piece.hull.key), nets_.take(net.size()));
   }
-  if (arcs) {
+  if (trimmed) {
     piece.region = region_;
-    if (piece.kind != CutKind::uncertain) add_portions(piece, *arcs);
+    if (piece.kind != CutKind::uncertain) add_portions(piece);
   }
-  out_->push_back(piece);
+  found_pieces_.push_back(piece);
 }
 
-void PieceBuilder::add_portions(Piece& piece, const Arcs& arcs) {
+void PieceBuilder::add_portions(Piece& piece) {
   const auto store = [](const auto& list, auto& arena) {
     auto* stored = arena.take(list.size());
     std::copy(list.begin(), list.end(), stored);
@@ -505,7 +555,7 @@ void PieceBuilder::add_portions(Piece& piece, const Arcs& arcs) {
   events_.clear();
   const NetBounds bounds(piece.net);
   PortionFinder finder(piece, bounds, planes_, portions_, events_);
-  for (const TrimArc* arc : arcs) finder.add(*arc);
+  for (const TrimArc* arc : arcs_) finder.add(*arc);
   finder.finish();
   piece.portions = store(portions_, portion_arena_);
   piece.portion_count = int32_t(portions_.size());

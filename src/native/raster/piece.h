@@ -7,7 +7,6 @@
 // (METHODS section 3; Nishita, Kaneda, Nakamae 1991, with certificates instead of a flatness test).
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "arena.h"
@@ -15,10 +14,12 @@
 #include "bezier/interval.h"
 #include "bezier/jacobian.h"
 #include "bezier/net.h"
+#include "block_pool.h"
 #include "camera.h"
 #include "raster/certificate.h"
 #include "raster/hull_bounds.h"
 #include "raster/level_point.h"
+#include "raster/part.h"
 #include "raster/scan_planes.h"
 #include "raster/trim_portions.h"
 #include "scene.h"
@@ -73,72 +74,73 @@ struct Piece {
 Net projected_net(const Scene& scene, const Camera& camera, int32_t face, const Scene::PatchRef& patch,
                   std::vector<double>& points);
 
-// Whether everything within these bounds is known to be hidden.
-using HiddenTest = std::function<bool(const HullBounds& hull)>;
-
-// Projects and subdivides patches into pieces. One per thread; the pieces live as long as it does.
+// Finds what parts of patches consist of. One per thread; what it finds lives as long as it does.
 class PieceBuilder {
  public:
   PieceBuilder(const Scene& scene, const Camera& camera, const ScanPlanes& planes)
       : scene_(scene), camera_(camera), planes_(planes) {}
 
-  // Appends the pieces of one placed patch that some scan plane of the frame meets, without those that are `hidden`
-  // (null: not asked).
-  void add_patch(int32_t face, const Scene::PatchRef& patch, const HiddenTest* hidden, std::vector<Piece>& out);
-
-  // Pieces that resisted certification down to the depth limit and were left out. 0 in a sound frame.
-  int64_t unresolved() const { return unresolved_; }
+  // Finds the pieces or the smaller parts of a part of the placed patch, and gives back the memory that it needed.
+  void open(int32_t face, const Scene::PatchRef& patch, Part& part);
 
  private:
   struct Box {
     double s0, s1, t0, t1;
-  };
-  using Arcs = std::vector<const TrimArc*>;
 
-  // A part of the patch, with the forms that go with its net where they are carried along (bezier/jacobian.h).
-  struct Node {
-    Net net;
-    Grid jacobian, turn, key_jacobian;  // coefficients may be null
-    Box box;
-    int calmings;  // halvings although it was certified
+    explicit Box(const PartNet& part) : s0(part.s0), s1(part.s1), t0(part.t0), t1(part.t1) {}
+  };
+  // A part that may be seen.
+  struct Found {
+    HullBounds hull;
+    PartNet net;
   };
 
-  void carry_forms(Node& root);
-  void subdivide(const Node& node, const Arcs* arcs, int depth);
-  // The parts of a node on both sides of a = t or b = t; they stay until the next cut at this depth.
-  std::pair<Node, Node> cut(const Node& node, int depth, bool along_a, double t);
-  Halve calming(const Node& node, const Certificate& certificate, const NetBounds& bounds) const;
-  void halve(const Node& node, const Arcs* arcs, int depth, bool along_a);
-  void peel(const Node& node, const ParameterBox& core, const Arcs* arcs, int depth);
-  // `net` is the node's, or part of it: that over `box`.
-  void describe(const Net& net, const NetBounds& bounds, const Certificate& certificate, const Node& node,
-                const Box& box, Piece* piece) const;
+  PartNet project();
+  void carry_forms(PartNet& whole);
+  bool find_arcs(PartNet& part);
+  void subdivide(const PartNet& part, const HullBounds& hull);
+  bool bound(PartNet& part, HullBounds* hull) const;
+  void add(PartNet part);
+  // The parts on both sides of a = t or b = t.
+  std::pair<PartNet, PartNet> cut(const PartNet& part, bool along_a, double t);
+  Halve calming(const PartNet& part, const Certificate& certificate, const NetBounds& bounds) const;
+  void halve(const PartNet& part, bool along_a);
+  void peel(const PartNet& part, const ParameterBox& core);
+  // `net` is the part's, or part of it: that over `box`.
+  void describe(const Net& net, const NetBounds& bounds, const HullBounds& hull, const Certificate& certificate,
+                const PartNet& part, const Box& box, Piece* piece) const;
   bool is_planar(const Net& net, Interval key) const;
-  void emit_certified(const Node& node, const NetBounds& bounds, const Certificate& certificate, const Arcs* arcs);
-  void emit_cut_at_turns(const Node& node, const Certificate& certificate, const Arcs* arcs);
-  void emit(Piece& piece, const Net& net, const Box& box, const Arcs* arcs);
-  void add_portions(Piece& piece, const Arcs& arcs);
+  void emit_certified(const PartNet& part, const NetBounds& bounds, const HullBounds& hull,
+                      const Certificate& certificate);
+  void emit_cut_at_turns(const PartNet& part, const Certificate& certificate);
+  void emit(Piece& piece, const Net& net, const Box& box, bool trimmed);
+  void add_portions(Piece& piece);
+  void store(Part& part);
+  void give_back(const PartNet& part);
 
   const Scene& scene_;
   const Camera& camera_;
   const ScanPlanes& planes_;
+  Arena<Piece> pieces_;
+  Arena<Part> parts_;
   Arena<double> nets_;
   Arena<TrimPortion> portion_arena_;
   Arena<double> event_arena_, turn_arena_;
+  Arena<const TrimArc*> arc_arena_;
+  Arena<CarriedForms> scale_arena_;
+  BlockPool blocks_;
   std::vector<TrimPortion> portions_;
   std::vector<double> events_;
   std::vector<double> projected_, turns_, part_;
-  std::vector<std::vector<double>> stack_;  // the two halves for each depth
-  std::vector<double> forms_;               // of the patch: J, its turn and that of key and y
-  CarriedForms scales_;
-  std::vector<Arcs> arc_stack_;
-  int64_t unresolved_ = 0, nodes_ = 0;
-  // The patch being worked on.
+  std::vector<double> forms_;  // of the patch: J, its turn and that of key and y
+  // The part being worked on.
   const Scene::PatchRef* patch_ = nullptr;
   const Region* region_ = nullptr;
   int32_t face_ = 0;
-  const HiddenTest* hidden_ = nullptr;
-  std::vector<Piece>* out_ = nullptr;
+  std::vector<const TrimArc*> arcs_;  // that run through it
+  std::vector<Piece> found_pieces_;
+  std::vector<Found> found_parts_;
+  int32_t unresolved_ = 0;
 };
 
 }  // namespace nofacet

@@ -26,16 +26,15 @@ void SectionCuts::cut(std::size_t band, const double* y, int count) {
   };
   for (std::size_t k = 0; k < sections_.views().size(); ++k) {
     SectionView& view = sections_.views()[k];
-    for (const int32_t index : view.bands[band]) {
-      const auto [first, last] = planes_in(view.patches->patches()[index].hull.y);
-      if (first == last) continue;
-      const auto [piece, end] = view.patches->pieces(index, thread_);
-      for (const Piece* p = piece; p != end; ++p) {
-        const auto [from, to] = planes_in(p->hull.y);
-        if (from < to && p->hull.x.lo <= SectionView::kMiddle && p->hull.x.hi >= SectionView::kMiddle) {
-          cut_piece(k, *p, y, from, to);
-        }
-      }
+    const auto needs = [&](const HullBounds& hull) {
+      const auto [first, last] = planes_in(hull.y);
+      return first < last && hull.x.lo <= SectionView::kMiddle && hull.x.hi >= SectionView::kMiddle;
+    };
+    for (std::span<const int32_t> rest = view.bands[band]; !rest.empty(); rest = rest.subspan(1)) {
+      view.patches->visit(rest, thread_, needs, [&](const Piece& piece) {
+        const auto [first, last] = planes_in(piece.hull.y);
+        if (needs(piece.hull)) cut_piece(k, piece, y, first, last);
+      });
     }
   }
   std::sort(crossings_.begin(), crossings_.end(), [](const Crossing& p, const Crossing& q) {
