@@ -72,7 +72,7 @@ FramePatches::FramePatches(const Scene& scene, const Camera& camera, const ScanP
   sort();
   wholes_ = std::make_unique<Whole[]>(patches_.size());
   for (std::size_t k = 0; k < patches_.size(); ++k) wholes_[k].hull = patches_[k].hull;
-  for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes)});
+  for (int k = 0; k < threads; ++k) workers_.push_back({PieceBuilder(scene, camera, planes), 0.0, 0, 0, {}});
 }
 
 void FramePatches::place(const Scene& scene, const Camera& camera, const ScanPlanes& planes, int threads,

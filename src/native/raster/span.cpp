@@ -100,13 +100,41 @@ bool SpanMaker::same_layout(const Piece& piece, std::span<const TrimCrossing> cr
   return false;
 }
 
+namespace {
+
+// As cut_at, by Newton's method on the centred net, to where a step is below kNearCut; NaN if that strays.
+constexpr double kNearCut = 1e-9;
+
+double cut_near(const Piece& piece, double y, double a, double guess) {
+  constexpr int kMaxSteps = 6;
+  const CentredNet& net = piece.centred;
+  if (!piece.has_accurate_centred_net()) return NAN;
+  double d[kMaxDegree + 1] = {};  // Y - y W on the line a, in powers of b - 1/2
+  const double s = a - 0.5, level = y - net.y;
+  for (int i = net.n; i >= 0; --i) {
+    const double* p = net.points + 4 * std::size_t(i) * (net.m + 1);
+    for (int j = 0; j <= net.m; ++j, p += 4) d[j] = d[j] * s + (p[kY] - level * p[kW]);
+  }
+  double b = guess - 0.5;
+  for (int step = 0; step < kMaxSteps && std::fabs(b) <= 0.5; ++step) {
+    double value = d[net.m], slope = 0.0;
+    for (int j = net.m - 1; j >= 0; --j) slope = slope * b + value, value = value * b + d[j];
+    const double change = value / slope;
+    b -= change;
+    if (std::fabs(change) < kNearCut) return std::fabs(b) <= 0.5 ? b + 0.5 : NAN;
+  }
+  return NAN;
+}
+
+}  // namespace
+
 // Whether the stretch is inside the trim loops, by its middle.
 bool SpanMaker::inside(const Piece& piece, double y, const CutPoint& from, const CutPoint& to, std::size_t stretch) {
   signed char& known = inside_[stretch];
   if (known >= 0) return known == 1;
-  const double a = 0.5 * (from.a + to.a);
+  const double a = 0.5 * (from.a + to.a), guess = 0.5 * (from.b + to.b), near = cut_near(piece, y, a, guess);
   double u, v;
-  piece.face_from_local(a, cut_at(piece, y, a, 0.5 * (from.b + to.b)), &u, &v);
+  piece.face_from_local(a, std::isfinite(near) ? near : cut_at(piece, y, a, guess), &u, &v);
   const bool result = piece.region->contains(u, v);
   // The middle of a short stretch may lie on a trim curve but for rounding: that says nothing of the next plane's.
   if (to.a - from.a > kLongStretch && std::fabs(to.x - from.x) > kLongStretch) known = result;
