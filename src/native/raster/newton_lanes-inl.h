@@ -24,7 +24,9 @@ struct View {
   const float* color;
   bool values;       // whether anything but uv is written
   double calm_step;  // a Newton step that is no larger leaves a pixel accurate and its normal sound for shading
-  double half[3];    // unit vector between the key light and the eye (orthographic)
+  // So does one, by the size of the determinant that it was divided by, that is_steady() says:
+  double least_determinant, turn, rise, remainder;
+  double half[3];  // unit vector between the key light and the eye (orthographic)
 
   View(const Camera& c, const Frame& f, const Piece& p, const float* face_color, bool with_values)
       : camera(c),
@@ -37,6 +39,15 @@ struct View {
         half{kKeyLight[0], kKeyLight[1], kKeyLight[2] - 1.0} {
     const double length = std::sqrt(Camera::dot(half, half));
     for (double& h : half) h /= length;
+    // The determinant is the Jacobian times the weight's square; a tangent is no shorter than the Jacobian over the
+    // length of the other.
+    double weight = 0.0;
+    for (const double *q = p.net.points, *end = q + p.net.size(); q != end; q += 4) weight = std::max(weight, q[kW]);
+    const double square = weight * weight, a = p.longest_a, b = p.longest_b, longest = std::max(a, b);
+    least_determinant = square * std::max(kFlat * a * b, kDegenerate * longest * longest);
+    turn = kShadeTolerance / (2.0 * p.bend * longest * square);
+    rise = p.depth_rise * square;
+    remainder = kPixelTolerance / p.bend;
   }
 };
 
@@ -113,6 +124,16 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
   out.fxa = fxa, out.fxb = fxb, out.fya = fya, out.fyb = fyb;
   out.ka = hn::Mul(ka, key_scale), out.kb = hn::Mul(kb, key_scale);
   out.determinant = determinant, out.inverse = inverse, out.weight = weight;
+}
+
+// Whether a step leaves a pixel accurate and its normal sound for shading, by bounds of the piece's tangents: much less
+// work than to judge it by its own.
+HWY_INLINE Mask is_steady(Lanes d, const View& view, const Point& point) {
+  const Vec size = hn::Abs(point.determinant), square = hn::Mul(point.step, point.step);
+  const Mask turns_little = hn::Le(point.step, hn::Mul(size, hn::Set(d, view.turn)));
+  const Mask accurate = hn::Le(hn::Mul(square, hn::Add(size, hn::Set(d, view.rise))),
+                               hn::Mul(size, hn::Set(d, view.remainder)));
+  return hn::And(hn::Ge(size, hn::Set(d, view.least_determinant)), hn::And(turns_little, accurate));
 }
 
 // `normal_tolerance`: how far the tangents may turn after they are taken, in radians.

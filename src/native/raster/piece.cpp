@@ -415,8 +415,10 @@ void bound_tangents(const QuotientBounds& x, const QuotientBounds& y, const Quot
   const double jacobian = (x.fa * y.fb - x.fb * y.fa).mignitude();
   const double xa = x.fa.magnitude(), xb = x.fb.magnitude(), ya = y.fa.magnitude(), yb = y.fb.magnitude();
   const double ka = key_pixels * key.fa.magnitude(), kb = key_pixels * key.fb.magnitude();
-  piece->reach = 1.0 + (ka * (xb + yb) + kb * (xa + ya)) / jacobian;
+  piece->depth_rise = ka * (xb + yb) + kb * (xa + ya);
+  piece->reach = 1.0 + piece->depth_rise / jacobian;
   const double longest_a = std::sqrt(xa * xa + ya * ya + ka * ka), longest_b = std::sqrt(xb * xb + yb * yb + kb * kb);
+  piece->longest_a = longest_a, piece->longest_b = longest_b;
   const double least_a = jacobian / longest_b, least_b = std::max(jacobian / longest_a, y.fb.mignitude());
   const bool sound = jacobian > kFlat * longest_a * longest_b && least_a >= kDegenerate * longest_b &&
                      least_b >= kDegenerate * longest_a;

@@ -253,6 +253,7 @@ struct SolveCurved {
         Point point;
         newton_step<kRational>(d, view, origin, *jet, x, y, point);
         Mask good = hn::Le(point.step, calm);
+        if (!hn::AllTrue(d, good)) good = is_steady(d, view, point);
         if (!hn::AllTrue(d, good)) {
           Verdict verdict = judge(d, view, point, kShadeTolerance);
           if (!hn::AllTrue(d, verdict.accurate)) {
