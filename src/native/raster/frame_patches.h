@@ -1,5 +1,5 @@
-// The patches of one frame: where each lies on the screen, and its parts down to pieces, found when a band of rows first
-// needs them.
+// The patches of one frame: where each lies on the screen, and its parts down to pieces, found when a band of rows
+// first needs them.
 #pragma once
 #include <algorithm>
 #include <atomic>

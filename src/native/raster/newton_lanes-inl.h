@@ -131,8 +131,8 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
 HWY_INLINE Mask is_steady(Lanes d, const View& view, const Point& point) {
   const Vec size = hn::Abs(point.determinant), square = hn::Mul(point.step, point.step);
   const Mask turns_little = hn::Le(point.step, hn::Mul(size, hn::Set(d, view.turn)));
-  const Mask accurate = hn::Le(hn::Mul(square, hn::Add(size, hn::Set(d, view.rise))),
-                               hn::Mul(size, hn::Set(d, view.remainder)));
+  const Mask accurate =
+      hn::Le(hn::Mul(square, hn::Add(size, hn::Set(d, view.rise))), hn::Mul(size, hn::Set(d, view.remainder)));
   return hn::And(hn::Ge(size, hn::Set(d, view.least_determinant)), hn::And(turns_little, accurate));
 }
 

@@ -11,8 +11,8 @@
 namespace nofacet {
 namespace {
 
-constexpr double kSameTurn = 1e-9;      // of a piece
-constexpr int kMaxDepth = 100;          // halvings of one patch, both directions together
+constexpr double kSameTurn = 1e-9;  // of a piece
+constexpr int kMaxDepth = 100;      // halvings of one patch, both directions together
 // A curved piece larger than this is split even if certified: bounds get poor and digits are lost. Where a degree is
 // beyond 3, smaller pieces pay by needing fewer powers (CentredNet).
 constexpr double kLargestPiece = 1024.0, kLargestCostlyPiece = 128.0;
@@ -254,8 +254,7 @@ void PieceBuilder::subdivide(const PartNet& part, const HullBounds& hull) {
   if (certificate.kind == CutKind::uncertain && !certificate.graph && part.depth < kMaxDepth / 2) {
     if (const auto core = find_level_box(net, planes_)) return peel(part, *core);
   }
-  halve(part,
-        certificate.halve == Halve::either ? shape_halves_a(net, all_bounds()) : certificate.halve == Halve::a);
+  halve(part, certificate.halve == Halve::either ? shape_halves_a(net, all_bounds()) : certificate.halve == Halve::a);
 }
 
 // Which parameter to halve a certified part by, or either if that does not pay. Where little is known of how the depth

@@ -52,8 +52,8 @@ struct Piece {
   // No tangent along a or b is shorter on the screen, in pixels; 0 if normals may be unsound somewhere.
   double least_tangent;
   double longest_a, longest_b;  // no tangent along a, or b, is longer
-  double reach;       // an error on the screen grows by less than this factor in depth ...
-  double depth_rise;  // ... and at any one point by 1 plus this over the Jacobian there
+  double reach;                 // an error on the screen grows by less than this factor in depth ...
+  double depth_rise;            // ... and at any one point by 1 plus this over the Jacobian there
 
   // Whether key - c x moves one way along every cut: if c is no slope of key by x there.
   bool key_is_monotone(double c) const { return (shears.lo <= c && c <= shears.hi) == (kind == CutKind::fold); }
