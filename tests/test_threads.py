@@ -29,3 +29,12 @@ def test_many_threads_draw_at_once_with_many_threads_each() -> None:
     with ThreadPoolExecutor(5) as pool:
         for drawn in pool.map(faces, [1, 2, 3, 4, 7] * 8):
             np.testing.assert_array_equal(drawn, expected)
+
+
+def test_what_is_subdivided_does_not_depend_on_the_threads() -> None:
+    """Whichever thread opens a part of a patch; what is opened ahead and then not needed is not counted."""
+    frames = [nofacet.render(MODEL, CAMERA, RESOLUTION, threads=threads) for threads in (1, 2, 3, 7)]
+    assert len({frame.stats["pieces"] for frame in frames}) == 1
+    for frame in frames[1:]:
+        np.testing.assert_array_equal(frame.color, frames[0].color)
+        np.testing.assert_array_equal(frame.depth, frames[0].depth)
