@@ -86,7 +86,8 @@ class FramePatches {
 template <class Needs, class Use>
 void FramePatches::visit(std::span<const int32_t> list, Part& part, int thread, const Needs& needs, const Use& use) {
   Worker& worker = workers_[thread];
-  if (!part.is_leaf()) {  // pieces are better judged one by one
+  // Pieces are better judged one by one, once a band has needed some of them: what was opened ahead may not be needed.
+  if (!part.is_leaf() || !part.used.load(std::memory_order_relaxed)) {
     if (!needs(part.hull)) return;
     if (part.state.load(std::memory_order_acquire) != Part::kOpen) {
       Stopwatch watch;
