@@ -37,10 +37,7 @@ class Progress {
     const Vec q = hn::Set(d, q_), linear = hn::Set(d, 1.0 - q_);
     const Vec square = hn::MulAdd(hn::Set(d, 4.0 * q_), t, hn::Mul(linear, linear));
     const auto wide = hn::Max(hn::DemoteTo(half, square), hn::Set(half, kSmallestSquare));
-    auto inverse = hn::ApproximateReciprocalSqrt(wide);
-    const auto halved = hn::Mul(hn::Set(half, 0.5f), wide);
-    inverse = hn::Mul(inverse, hn::NegMulAdd(hn::Mul(halved, inverse), inverse, hn::Set(half, 1.5f)));
-    const Vec by_root = hn::PromoteTo(d, inverse), root = hn::Mul(hn::PromoteTo(d, wide), by_root);
+    const Vec by_root = hn::PromoteTo(d, inverse_root(half, wide)), root = hn::Mul(hn::PromoteTo(d, wide), by_root);
     const Vec p = hn::Mul(hn::Sub(root, linear), hn::Set(d, 0.5 / q_));
     return hn::NegMulAdd(hn::MulSub(hn::MulAdd(q, p, linear), p, t), by_root, p);
   }

@@ -22,6 +22,13 @@ using Mask = hn::Mask<Lanes>;
 using FloatLanes = hn::CappedTag<float, 16>;
 using FloatVec = hn::Vec<FloatLanes>;
 
+// 1 / sqrt(v) in single precision, to a few units in the last place: an approximation and a step of Newton's method.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V inverse_root(D d, V v) {
+  const V r = hn::ApproximateReciprocalSqrt(v), half = hn::Mul(hn::Set(d, 0.5f), v);
+  return hn::Mul(r, hn::NegMulAdd(hn::Mul(half, r), r, hn::Set(d, 1.5f)));
+}
+
 // Bernstein basis of a degree known at compile time, or read from the net (kDegree = -1), and its derivative.
 template <int kDegree>
 struct LaneBasis {

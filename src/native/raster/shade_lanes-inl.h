@@ -19,13 +19,6 @@ struct Shade {
   FloatVec red, green, blue;
 };
 
-// 1 / sqrt(v) to a few units in the last place: an approximation and a step of Newton's method.
-HWY_INLINE FloatVec inverse_root(FloatVec v) {
-  const FloatLanes df;
-  const FloatVec r = hn::ApproximateReciprocalSqrt(v), half = hn::Mul(hn::Set(df, 0.5f), v);
-  return hn::Mul(r, hn::NegMulAdd(hn::Mul(half, r), r, hn::Set(df, 1.5f)));
-}
-
 // As shade() in raster/shade.h, in single precision; `fx` .. `fz` a normal in eye space of any length, (`x`, `y`) the
 // pixels' centres, read in perspective only.
 HWY_INLINE Shade shade_lanes(const View& view, FloatVec fx, FloatVec fy, FloatVec fz, FloatVec x, FloatVec y) {
@@ -35,7 +28,7 @@ HWY_INLINE Shade shade_lanes(const View& view, FloatVec fx, FloatVec fy, FloatVe
                            HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
   const Camera& camera = view.camera;
   const FloatVec one = set(1.0), zero = hn::Zero(df);
-  const FloatVec inverse = inverse_root(square3(fx, fy, fz));
+  const FloatVec inverse = inverse_root(df, square3(fx, fy, fz));
   fx = hn::Mul(fx, inverse), fy = hn::Mul(fy, inverse), fz = hn::Mul(fz, inverse);
   const auto dot = [&](FloatVec px, FloatVec py, FloatVec pz)
                        HWY_ATTR { return hn::MulAdd(fx, px, hn::MulAdd(fy, py, hn::Mul(fz, pz))); };
@@ -43,12 +36,12 @@ HWY_INLINE Shade shade_lanes(const View& view, FloatVec fx, FloatVec fy, FloatVe
   if (camera.perspective) {
     FloatVec ex = hn::Sub(set(0.5 * camera.width), x), ey = hn::Sub(y, set(0.5 * camera.height)),
              ez = set(-camera.scale);
-    const FloatVec length = inverse_root(square3(ex, ey, ez));
+    const FloatVec length = inverse_root(df, square3(ex, ey, ez));
     ex = hn::Mul(ex, length), ey = hn::Mul(ey, length), ez = hn::Mul(ez, length);
     facing = dot(ex, ey, ez);
     const FloatVec hx = hn::Add(ex, set(kKeyLight[0])), hy = hn::Add(ey, set(kKeyLight[1]));
     const FloatVec hz = hn::Add(ez, set(kKeyLight[2]));
-    gloss = hn::Mul(dot(hx, hy, hz), inverse_root(square3(hx, hy, hz)));
+    gloss = hn::Mul(dot(hx, hy, hz), inverse_root(df, square3(hx, hy, hz)));
   } else {
     facing = fz;
     gloss = dot(set(view.half[0]), set(view.half[1]), set(view.half[2]));

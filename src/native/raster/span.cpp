@@ -102,9 +102,9 @@ bool SpanMaker::same_layout(const Piece& piece, std::span<const TrimCrossing> cr
 
 namespace {
 
-// As cut_at, by Newton's method on the centred net, to where a step is below kNearCut; NaN if that strays.
 constexpr double kNearCut = 1e-9;
 
+// As cut_at, by Newton's method on the centred net, to where a step is below kNearCut; NaN if that strays.
 double cut_near(const Piece& piece, double y, double a, double guess) {
   constexpr int kMaxSteps = 6;
   const CentredNet& net = piece.centred;
