@@ -55,6 +55,26 @@ def test_only_bindings_include_nanobind() -> None:
     assert guilty == [Path("src/native/bindings.cpp")]
 
 
+def test_native_types_of_one_namespace_have_one_name_each() -> None:
+    # Two types of one name share the functions that the compiler makes for both, such as those of their vectors, and
+    # the linker keeps the ones of either. With link-time optimisation that crashed.
+    homes: dict[tuple[bool, str], set[str]] = {}  # by whether made for each instruction set
+    for path in (ROOT / "src" / "native").rglob("*"):
+        if path.suffix not in (".h", ".cpp"):
+            continue
+        unnamed = lanes = False
+        for line in path.read_text(encoding="utf-8").splitlines():
+            if line in ("namespace {", "}  // namespace"):
+                unnamed = line == "namespace {"
+            if line in ("namespace HWY_NAMESPACE {", "}  // namespace HWY_NAMESPACE"):
+                lanes = line == "namespace HWY_NAMESPACE {"
+            match = re.match(r"(?:struct|class|union|enum(?: class)?) (\w+)(?!\w|::)[^;]*$", line)
+            if match and not unnamed:
+                homes.setdefault((lanes, match[1]), set()).add(str(path.relative_to(ROOT)))
+    assert len(homes) > 100
+    assert not {kind[1]: files for kind, files in homes.items() if len(files) > 1}
+
+
 @pytest.mark.parametrize("module", ["nofacet", "nofacet.cli"])
 def test_import_does_not_load_opencascade(module: str) -> None:
     program = f"import sys, {module}; print(*{{'OCP', 'cadquery', 'build123d'}} & set(sys.modules))"

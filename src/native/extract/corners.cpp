@@ -24,13 +24,13 @@ constexpr double kParallel = 1e-12;
 // Pairs of parts looked at for crossings of two segments: edges that run on top of each other would take for ever.
 constexpr int kPairs = 400;
 
-using Points = std::vector<TrimPoint>;
+using Points = std::vector<LoopPoint>;
 
 struct Plane {
   double u, v;
 };
 
-Plane plane(const TrimPoint& p) { return {p.u / p.w, p.v / p.w}; }
+Plane plane(const LoopPoint& p) { return {p.u / p.w, p.v / p.w}; }
 
 // A segment of a run, by its index, and a parameter of it.
 struct Place {
@@ -47,29 +47,29 @@ using Tail = std::vector<TailPart>;
 
 // Where two runs meet, and where each is cut if it is.
 struct Corner {
-  TrimPoint point;
+  LoopPoint point;
   std::optional<Place> cuts[2];
 };
 
 // The two ends that do not meet, their distance, and 1 / width, 1 / height of the box that lengths are parts of.
 struct Gap {
-  TrimPoint ends[2];
+  LoopPoint ends[2];
   double scale_u, scale_v, width;
 
-  Gap(const TrimPoint& end, const TrimPoint& start, double box_width, double box_height)
+  Gap(const LoopPoint& end, const LoopPoint& start, double box_width, double box_height)
       : ends{end, start}, scale_u(1 / box_width), scale_v(1 / box_height), width(length(end, start)) {}
 
-  double length(const TrimPoint& one, const TrimPoint& other) const {
+  double length(const LoopPoint& one, const LoopPoint& other) const {
     return std::hypot((one.u / one.w - other.u / other.w) * scale_u, (one.v / one.w - other.v / other.w) * scale_v);
   }
-  double both(const TrimPoint& p) const { return length(p, ends[0]) + length(p, ends[1]); }
+  double both(const LoopPoint& p) const { return length(p, ends[0]) + length(p, ends[1]); }
 };
 
 // One step of de Casteljau's algorithm, in place.
 void shorten(Points& points, double t) {
   const double r = 1.0 - t;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
-    const TrimPoint &a = points[k], &b = points[k + 1];
+    const LoopPoint &a = points[k], &b = points[k + 1];
     points[k] = {r * a.u + t * b.u, r * a.v + t * b.v, r * a.w + t * b.w};
   }
   points.pop_back();
@@ -79,9 +79,9 @@ void shorten(Points& points, double t) {
 std::pair<Plane, Plane> point_and_derivative(Points points, double t) {
   const double degree = double(points.size()) - 1;
   while (points.size() > 2) shorten(points, t);
-  const TrimPoint a = points[0], b = points[1];
+  const LoopPoint a = points[0], b = points[1];
   shorten(points, t);
-  const TrimPoint p = points[0];
+  const LoopPoint p = points[0];
   const double factor = degree * a.w * b.w / (p.w * p.w);
   return {plane(p), {factor * (b.u / b.w - a.u / a.w), factor * (b.v / b.w - a.v / a.w)}};
 }
@@ -123,7 +123,7 @@ bool apart(const Points& one, const Points& two) {
   for (const auto coordinate : {&Plane::u, &Plane::v}) {
     auto range = [&](const Points& points) {
       double low = plane(points[0]).*coordinate, high = low;
-      for (const TrimPoint& p : points) {
+      for (const LoopPoint& p : points) {
         const double x = plane(p).*coordinate;
         low = std::min(low, x), high = std::max(high, x);
       }
@@ -202,7 +202,7 @@ std::vector<std::pair<double, double>> crossings(const Points& one, const Points
 
 // The segments of the run's last edge that can hold a corner, the last one first.
 Tail tail_of(const TrimLoop& run, const Gap& gap) {
-  const TrimPoint& end = run.back().points.back();
+  const LoopPoint& end = run.back().points.back();
   Tail tail;
   for (std::size_t k = run.size(); k-- > 0 && run[k].edge == run.back().edge;) {
     tail.push_back({k, run[k].points});
@@ -213,7 +213,7 @@ Tail tail_of(const TrimLoop& run, const Gap& gap) {
 
 // The straight segment that leads on from a curve's end as far as a corner may lie.
 Tail tangent_of(const Points& points, const Gap& gap) {
-  const TrimPoint& end = points.back();
+  const LoopPoint& end = points.back();
   for (std::size_t k = points.size() - 1; k-- > 0;) {
     const double length = gap.length(points[k], end);
     if (length <= kSnap) continue;
@@ -282,7 +282,7 @@ std::optional<Corner> corner_of(const TrimLoop& one, const TrimLoop& two, const 
 }
 
 // Cuts the run at a place; its last point becomes `point`, which is that place but for rounding.
-void cut(TrimLoop& run, const Place& place, const TrimPoint& point) {
+void cut(TrimLoop& run, const Place& place, const LoopPoint& point) {
   run.resize(place.segment + 1);
   Points& points = run.back().points;
   points = split(points, place.t).first;
@@ -301,14 +301,14 @@ void reverse(TrimLoop& run) {
   for (TrimSegment& segment : run) std::reverse(segment.points.begin(), segment.points.end());
 }
 
-TrimSegment link(const TrimPoint& from, const TrimPoint& to) { return {{from, to}, -1, false}; }
+TrimSegment link(const LoopPoint& from, const LoopPoint& to) { return {{from, to}, -1, false}; }
 
 // Cuts the runs on both sides of a gap at their corner; returns the segments that lead from the first to the second.
 TrimLoop join(TrimLoop& before, TrimLoop& after, double width, double height) {
   // seen from the gap, the run that follows is another one that ends there
   TrimLoop other = after;
   reverse(other);
-  const TrimPoint end = before.back().points.back(), start = other.back().points.back();
+  const LoopPoint end = before.back().points.back(), start = other.back().points.back();
   const Gap gap(end, start, width, height);
   std::optional<Corner> corner;
   if (!before.back().at_pole && gap.width >= kNarrowestCorner && gap.width <= kWidestCorner) {
@@ -331,16 +331,16 @@ TrimLoop join(TrimLoop& before, TrimLoop& after, double width, double height) {
   return between;
 }
 
-bool near(const TrimPoint& one, const TrimPoint& other, double du, double dv) {
+bool near(const LoopPoint& one, const LoopPoint& other, double du, double dv) {
   return std::abs(one.u - other.u) <= du && std::abs(one.v - other.v) <= dv;
 }
 
 // The loop's segments up to each gap, small gaps moved away.
 std::vector<TrimLoop> runs_of(TrimLoop loop, double du, double dv) {
   std::vector<TrimLoop> runs(1);
-  TrimPoint end = loop.front().points.front();
+  LoopPoint end = loop.front().points.front();
   for (TrimSegment& segment : loop) {
-    TrimPoint& start = segment.points.front();
+    LoopPoint& start = segment.points.front();
     if (start != end) {
       if (near(start, end, du, dv)) {
         start = end;
@@ -363,8 +363,8 @@ void append(TrimLoop& loop, TrimLoop&& part) {
 TrimLoop weld(TrimLoop loop, double width, double height) {
   const std::size_t count = loop.size();
   std::vector<TrimLoop> runs = runs_of(std::move(loop), kSnap * width, kSnap * height);
-  TrimPoint& end = runs.back().back().points.back();
-  const TrimPoint start = runs.front().front().points.front();
+  LoopPoint& end = runs.back().back().points.back();
+  const LoopPoint start = runs.front().front().points.front();
   if (start != end && count > 1 && near(start, end, kSnap * width, kSnap * height)) end = start;
   const bool closed = start == end;
   TrimLoop result;

@@ -11,15 +11,15 @@
 
 namespace nofacet {
 
-struct TrimPoint {
+struct LoopPoint {
   double u, v, w;  // homogeneous
 
-  bool operator==(const TrimPoint&) const = default;
+  bool operator==(const LoopPoint&) const = default;
 };
 
 // A rational Bezier segment with end weights 1.
 struct TrimSegment {
-  std::vector<TrimPoint> points;
+  std::vector<LoopPoint> points;
   int64_t edge;  // what it runs along; -1 for none
   bool at_pole;  // whether the joint behind it is on a line of (u, v) that is one point in space: gaps stay straight
 };

@@ -51,7 +51,7 @@ void KnotVector::unroll(const std::vector<double>& knots, const std::vector<int>
 namespace {
 
 // The span for an interval that lies outside the domain, or between two knots a sliver apart.
-Span span_outside(const KnotVector& vector, double low, double high) {
+KnotSpan span_outside(const KnotVector& vector, double low, double high) {
   std::vector<int64_t> filled;
   for (int64_t j = vector.degree(); j < vector.size() - vector.degree() - 1; ++j) {
     if (vector.knot(j + 1) > vector.knot(j)) filled.push_back(j);
@@ -64,9 +64,9 @@ Span span_outside(const KnotVector& vector, double low, double high) {
 
 }  // namespace
 
-std::vector<Span> spans(const KnotVector& vector, double low, double high) {
+std::vector<KnotSpan> spans(const KnotVector& vector, double low, double high) {
   const double sliver = kSliver * (high - low);
-  std::vector<Span> result;
+  std::vector<KnotSpan> result;
   for (int64_t j = vector.degree(); j < vector.size() - vector.degree() - 1; ++j) {
     const double left = vector.knot(j), right = vector.knot(j + 1);
     if (right > left && right - left > sliver && right > low + sliver && left < high - sliver)
@@ -98,7 +98,7 @@ class Columns {
   }
   // From one component of a point to the next.
   std::size_t stride() const { return std::size_t(degree_ + 1) * count_; }
-  void set(std::size_t column, const KnotVector& vector, const Span& span) {
+  void set(std::size_t column, const KnotVector& vector, const KnotSpan& span) {
     for (int k = 0; k < 2 * degree_; ++k) {
       knots_[std::size_t(k) * count_ + column] = vector.knot(span.flat + 1 - degree_ + k);
     }
@@ -170,7 +170,7 @@ struct StoredCurve {
   std::size_t owner;
   KnotVector vector;
   Poles poles;
-  std::vector<Span> spans;
+  std::vector<KnotSpan> spans;
 };
 
 StoredCurve read_curve(Bytes bytes, int dim, std::size_t owner, int64_t at, double low, double high) {
@@ -180,7 +180,7 @@ StoredCurve read_curve(Bytes bytes, int dim, std::size_t owner, int64_t at, doub
   const int64_t poles = reader.integer(), knots = reader.integer();
   const Poles stored(reader, poles, dim, rational);
   KnotVector vector = read_knots(reader, degree, periodic, knots, low, high);
-  std::vector<Span> wanted = spans(vector, low, high);
+  std::vector<KnotSpan> wanted = spans(vector, low, high);
   return {owner, std::move(vector), stored, std::move(wanted)};
 }
 
@@ -188,14 +188,14 @@ StoredCurve read_curve(Bytes bytes, int dim, std::size_t owner, int64_t at, doub
 CurvePieces pieces_of(const std::vector<StoredCurve>& curves) {
   struct Job {
     const StoredCurve* curve;
-    const Span* span;
+    const KnotSpan* span;
   };
   const int degree = curves[0].vector.degree(), dim = curves[0].poles.dim();
   const std::size_t components = curves[0].poles.components();
   CurvePieces result{degree, {}, {}, {}, {}};
   std::vector<Job> jobs;
   for (const StoredCurve& curve : curves) {
-    for (const Span& span : curve.spans) {
+    for (const KnotSpan& span : curve.spans) {
       jobs.push_back({&curve, &span});
       result.owner.push_back(int64_t(curve.owner));
       result.start.push_back(span.start);
@@ -226,7 +226,7 @@ struct StoredSurface {
   KnotVector u, v;
   Poles poles;
   int64_t columns;  // of the net of poles, v running faster
-  std::vector<Span> in_u, in_v;
+  std::vector<KnotSpan> in_u, in_v;
 
   int64_t first_row() const { return u.first_pole(in_u.front().flat); }
   std::size_t rows() const { return std::size_t(in_u.back().flat - in_u.front().flat + u.degree() + 1); }
@@ -239,7 +239,7 @@ StoredSurface read_surface(Bytes bytes, bool bezier, std::size_t owner, int64_t 
     const int degree_u = int(reader.short_integer()), degree_v = int(reader.short_integer());
     KnotVector u(degree_u, false, {0.0, 1.0}, {degree_u + 1, degree_u + 1}, box[0], box[1]);
     KnotVector v(degree_v, false, {0.0, 1.0}, {degree_v + 1, degree_v + 1}, box[2], box[3]);
-    std::vector<Span> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
+    std::vector<KnotSpan> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
     const Poles poles(reader, int64_t(degree_u + 1) * (degree_v + 1), 3, rational);
     return {owner, std::move(u), std::move(v), poles, degree_v + 1, std::move(in_u), std::move(in_v)};
   }
@@ -250,7 +250,7 @@ StoredSurface read_surface(Bytes bytes, bool bezier, std::size_t owner, int64_t 
   const Poles poles(reader, rows * columns, 3, rational);
   KnotVector u = read_knots(reader, degree_u, periodic_u, knots_u, box[0], box[1]);
   KnotVector v = read_knots(reader, degree_v, periodic_v, knots_v, box[2], box[3]);
-  std::vector<Span> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
+  std::vector<KnotSpan> in_u = spans(u, box[0], box[1]), in_v = spans(v, box[2], box[3]);
   return {owner, std::move(u), std::move(v), poles, columns, std::move(in_u), std::move(in_v)};
 }
 
@@ -259,14 +259,14 @@ StoredSurface read_surface(Bytes bytes, bool bezier, std::size_t owner, int64_t 
 std::vector<double> strips_of(const std::vector<StoredSurface>& surfaces) {
   struct Job {
     const StoredSurface* surface;
-    const Span* span;
+    const KnotSpan* span;
     int64_t row;
   };
   const int degree = surfaces[0].v.degree();
   const std::size_t components = surfaces[0].poles.components();
   std::vector<Job> jobs;
   for (const StoredSurface& surface : surfaces) {
-    for (const Span& span : surface.in_v) {
+    for (const KnotSpan& span : surface.in_v) {
       for (std::size_t row = 0; row < surface.rows(); ++row) {
         jobs.push_back({&surface, &span, surface.u.pole(surface.first_row() + int64_t(row))});
       }
@@ -295,7 +295,7 @@ std::vector<double> strips_of(const std::vector<StoredSurface>& surfaces) {
 SurfacePatches patches_of(const std::vector<StoredSurface>& surfaces) {
   struct Job {
     const StoredSurface* surface;
-    const Span* span;
+    const KnotSpan* span;
     const double* strip;  // of the first of degree_u + 1 rows
   };
   const int du = surfaces[0].u.degree(), dv = surfaces[0].v.degree();
@@ -305,7 +305,7 @@ SurfacePatches patches_of(const std::vector<StoredSurface>& surfaces) {
   std::vector<Job> jobs;
   const double* own = strips.data();
   for (const StoredSurface& surface : surfaces) {
-    for (const Span& u : surface.in_u) {
+    for (const KnotSpan& u : surface.in_u) {
       const auto row = std::size_t(u.flat - surface.in_u.front().flat);
       for (std::size_t v = 0; v < surface.in_v.size(); ++v) {
         jobs.push_back({&surface, &u, own + (v * surface.rows() + row) * across});
@@ -363,16 +363,16 @@ std::vector<SurfacePatches> spline_patches(Bytes bytes, bool bezier, std::size_t
 
 CurvePieces curve_pieces(const KnotVector& vector, const double* poles, std::size_t components, double low,
                          double high) {
-  const std::vector<Span> wanted = spans(vector, low, high);
+  const std::vector<KnotSpan> wanted = spans(vector, low, high);
   CurvePieces result{vector.degree(), {}, {}, {}, {}};
-  auto put = [&](const Span& span, Columns& columns, std::size_t column) {
+  auto put = [&](const KnotSpan& span, Columns& columns, std::size_t column) {
     columns.set(column, vector, span);
     for (int i = 0; i <= vector.degree(); ++i) {
       const auto pole = std::size_t(vector.pole(vector.first_pole(span.flat) + i));
       for (std::size_t c = 0; c < components; ++c) columns.point(c, i, column) = poles[pole * components + c];
     }
   };
-  auto take = [&](const Span& span, Columns& columns, std::size_t column) {
+  auto take = [&](const KnotSpan& span, Columns& columns, std::size_t column) {
     result.owner.push_back(0);
     result.start.push_back(span.start);
     result.stop.push_back(span.stop);

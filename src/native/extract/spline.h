@@ -42,13 +42,13 @@ class KnotVector {
 };
 
 // A polynomial span: the flat knot where it starts, and the ends of the Bezier piece wanted.
-struct Span {
+struct KnotSpan {
   int64_t flat;
   double start, stop;
 };
 
 // The spans that [low, high] meets; end spans are continued where it leaves the domain.
-std::vector<Span> spans(const KnotVector& vector, double low, double high);
+std::vector<KnotSpan> spans(const KnotVector& vector, double low, double high);
 
 // Bezier pieces of curves that are all of one degree p and in `dim` dimensions. owner: (m,), the interval; start, stop:
 // (m,), parameters; points: (m, p + 1, dim + 1), homogeneous.

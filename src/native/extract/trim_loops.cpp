@@ -24,12 +24,12 @@ class Entry {
         shift_{runs.shift[2 * k], runs.shift[2 * k + 1]} {}
 
   int degree() const { return degree_; }
-  TrimPoint operator[](int i) const {
+  LoopPoint operator[](int i) const {
     const double* p = points_ + 3 * (backwards_ ? degree_ - i : i);
     return {p[0] + shift_.u * p[2], p[1] + shift_.v * p[2], p[2]};
   }
-  TrimPoint front() const { return (*this)[0]; }
-  TrimPoint back() const { return (*this)[degree_]; }
+  LoopPoint front() const { return (*this)[0]; }
+  LoopPoint back() const { return (*this)[degree_]; }
 
  private:
   const double* points_;
@@ -49,7 +49,7 @@ struct Joint {
 
 Joint joint(const RunView& runs, std::size_t loop, std::size_t k, const double* box) {
   const auto first = std::size_t(runs.loop_offsets[loop]), last = std::size_t(runs.loop_offsets[loop + 1]);
-  const TrimPoint end = Entry(runs, k).back(), start = Entry(runs, k + 1 < last ? k + 1 : first).front();
+  const LoopPoint end = Entry(runs, k).back(), start = Entry(runs, k + 1 < last ? k + 1 : first).front();
   const double du = std::abs(start.u - end.u), dv = std::abs(start.v - end.v);
   if (!(du > 0 || dv > 0)) return {false, false, 0.0};
   const double width = box[1] - box[0], height = box[3] - box[2];
@@ -120,7 +120,7 @@ class Boxes {
   Box of(const Segments& segments) {
     Box ends;
     for (const auto& segment : segments) {
-      const TrimPoint from = segment[0], to = segment[segment.degree()];
+      const LoopPoint from = segment[0], to = segment[segment.degree()];
       ends.include(from.u, from.v);
       ends.include(to.u, to.v);
     }
@@ -137,7 +137,7 @@ class Boxes {
   template <class Segment>
   static bool bulges(const Segment& segment, const Box& box) {
     for (int i = 1; i < segment.degree(); ++i) {
-      const TrimPoint p = segment[i];
+      const LoopPoint p = segment[i];
       if (!box.contains(p.u / p.w, p.v / p.w)) return true;
     }
     return false;
@@ -151,7 +151,7 @@ class Boxes {
     for (int row = 0; row < 16 * n; ++row) {
       double u = 0.0, v = 0.0, w = 0.0;
       for (int i = 0; i < n; ++i) {
-        const TrimPoint p = segment[i];
+        const LoopPoint p = segment[i];
         const double part = matrix[row * n + i];
         u += part * p.u, v += part * p.v, w += part * p.w;
       }
@@ -164,7 +164,7 @@ class Boxes {
 struct Owned {
   const TrimSegment* segment;
   int degree() const { return int(segment->points.size()) - 1; }
-  TrimPoint operator[](int i) const { return segment->points[i]; }
+  LoopPoint operator[](int i) const { return segment->points[i]; }
 };
 
 // The loops of each face in turn: visit(face, first loop, last loop).
@@ -180,7 +180,7 @@ class LoopWriter {
  public:
   explicit LoopWriter(LoopTable* table) : table_(table) {}
 
-  void point(const TrimPoint& p) { table_->points.insert(table_->points.end(), {p.u, p.v, p.w}); }
+  void point(const LoopPoint& p) { table_->points.insert(table_->points.end(), {p.u, p.v, p.w}); }
   void end_segment(int64_t edge) {
     table_->segment_offsets.push_back(int64_t(table_->points.size() / 3));
     table_->edge.push_back(int32_t(edge));
@@ -240,7 +240,7 @@ void write_welded(const RunView& runs, std::size_t first, std::size_t last, cons
   for (const TrimLoop& loop : loops) {
     for (const TrimSegment& segment : loop) {
       segments.push_back({&segment});
-      for (const TrimPoint& p : segment.points) writer.point(p);
+      for (const LoopPoint& p : segment.points) writer.point(p);
       writer.end_segment(segment.edge);
     }
     writer.end_loop(std::size_t(runs.face[first]));
