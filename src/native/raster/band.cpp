@@ -204,6 +204,7 @@ void BandPainter::collect_jobs(int row) {
     const int first = first_pixel(segment.x0, frame_.width), last = first_pixel(segment.x1, frame_.width);
     if (first >= last) continue;
     fill_background(row, next, first);
+    if (frame_.face) prefetch_ends(frame_.face + std::size_t(row) * frame_.width + first, last - first);
     jobs_.push_back({segment.span, row, first, last});
     next = last;
   }

@@ -102,7 +102,9 @@ void RowAverage::find_mixed(const ScanLine& line, const std::vector<Stretch>& st
 
 void RowAverage::mark(int first, int last) {
   first = std::max(first, 0), last = std::min(last, frame_.width);
-  if (first < last) std::fill(mixed_.begin() + first, mixed_.begin() + last, 1);
+  if (first >= last) return;
+  std::fill(mixed_.begin() + first, mixed_.begin() + last, 1);
+  if (row_rgb_) prefetch_ends(row_rgb_ + 4 * first, 4 * (last - first));
 }
 
 void RowAverage::find_veils(const std::vector<WeightedLine>& lines) {

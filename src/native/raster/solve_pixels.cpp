@@ -37,6 +37,15 @@ struct PixelScratch {
   std::vector<float> coarse_net;
 };
 
+// Appends pixels of the job to the batch, from `first` on, and fetches what will be written of them.
+HWY_INLINE const BatchRun& start_run(const View& view, PixelBatch& batch, const PixelJob& job, int first) {
+  const BatchRun& run = batch.add(job, first);
+  const std::size_t at = std::size_t(job.row) * view.frame.width + run.first, length = run.last - run.first;
+  if (view.frame.depth) prefetch_ends(view.frame.depth + at, length);
+  if (view.frame.color) prefetch_ends(view.frame.color + 4 * at, 4 * length);
+  return run;
+}
+
 // Writes what the batch holds but for uv and normals, which are solved once more.
 void write_batch(const View& view, PixelBatch& batch) {
   if (view.frame.color) shade_batch(view, batch);
@@ -66,7 +75,7 @@ HWY_NOINLINE void SolvePlanar(const View& view, const PixelJob* jobs, std::size_
     const double level = plane.at + plane.by_y * (job->row + 0.5);
     for (int px = job->first; px < job->last;) {
       if (batch.room() == 0) write_batch(view, batch), batch.clear();
-      const BatchRun& run = batch.add(*job, px);
+      const BatchRun& run = start_run(view, batch, *job, px);
       const int part = run.last - px;
       for (int k = 0; k < part; ++k) batch.key[run.offset + k] = plane.by_x * (px + k + 0.5) + level;
       const std::size_t at = std::size_t(job->row) * view.frame.width + px;
@@ -130,7 +139,7 @@ struct SolveCurved {
   HWY_INLINE const BatchRun& add_run(const PixelJob& job, int first) const {
     const Lanes d;
     PixelBatch& batch = scratch.batch;
-    const BatchRun& run = batch.add(job, first);
+    const BatchRun& run = start_run(view, batch, job, first);
     const Span& span = *job.span;
     const Vec y = hn::Set(d, job.row + 0.5), width = hn::Set(d, double(hn::Lanes(d)));
     const Vec lo = hn::Set(d, std::min(span.a0, span.a1)), hi = hn::Set(d, std::max(span.a0, span.a1));

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "hwy/cache_control.h"
+
 namespace nofacet {
 
 // Long stretches are written past the caches: there they would only push out what is still needed, and their lines
@@ -17,6 +19,14 @@ void stream(int32_t value, std::size_t count, int32_t* out);
 void stream(const double* from, std::size_t count, double* out);
 void stream(const float* from, std::size_t count, float* out);
 void flush_streams();
+
+// Fetches the first and last line of a stretch that will be written soon. Those that it shares with its neighbours are
+// written in part, and would be waited for.
+template <class T>
+void prefetch_ends(const T* out, std::size_t count) {
+  hwy::Prefetch(out);
+  hwy::Prefetch(out + count - 1);
+}
 
 template <class T>
 void fill_stretch(T* out, std::size_t count, std::type_identity_t<T> value) {
