@@ -20,8 +20,8 @@ void stream(const double* from, std::size_t count, double* out);
 void stream(const float* from, std::size_t count, float* out);
 void flush_streams();
 
-// Fetches the first and last line of a stretch that will be written soon. Those that it shares with its neighbours are
-// written in part, and would be waited for.
+// Fetches the first and last line of a stretch that will soon be written in part, as those that it shares with its
+// neighbours are, or read back: they would be waited for.
 template <class T>
 void prefetch_ends(const T* out, std::size_t count) {
   hwy::Prefetch(out);
