@@ -263,6 +263,22 @@ def test_a_section_plane_that_cuts_a_span_beyond_the_picture() -> None:
     np.testing.assert_array_equal(frames[0].face, frames[1].face)
 
 
+@pytest.mark.parametrize("normal", [(0, 1, 1), (1, 1, 1)])
+def test_a_section_plane_where_faces_pass_the_eye(normal: tuple[float, float, float]) -> None:
+    """What crosses the eye plane was halved by lengths that are right in the picture, not in a section plane's side
+    view: along one parameter only, until it was given up."""
+    model = nofacet.load(cq.Workplane().cylinder(4, 2))
+    camera = nofacet.Camera("perspective", (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), view_angle=60.0)
+    section = nofacet.Section((0.0, 0.0, 0.0), normal)
+    frames = [
+        nofacet.render(model, camera, RESOLUTION, method, samples=1, buffers=("face",), sections=[section])
+        for method in ("bezier_clip_scanline", "bezier_clip_ray")
+    ]
+    assert (frames[0].face != -1).any()
+    assert frames[0].stats["unresolved"] == 0
+    np.testing.assert_array_equal(frames[0].face, frames[1].face)
+
+
 @pytest.mark.parametrize("samples", [1, 16])
 def test_a_flat_face_that_passes_through_a_curved_one(samples: int) -> None:
     """The depth of flat faces was not computed where they were compared with curved ones point by point."""

@@ -134,6 +134,7 @@ void BandPainter::insert_caps(const double* y, int count, ScanLine* lines) {
 
 // The planes [first, second) of the band that lie in y.
 std::pair<int, int> BandPainter::planes_in(Interval y) const {
+  if (y.hi < plane_y_.front() || y.lo > plane_y_.back()) return {0, 0};  // most parts of a patch lie in other bands
   const auto first = std::lower_bound(plane_y_.begin(), plane_y_.end(), y.lo);
   const auto last = std::upper_bound(first, plane_y_.end(), y.hi);
   return {int(first - plane_y_.begin()), int(last - plane_y_.begin())};

@@ -60,8 +60,8 @@ Interval bend_along_cut(const QuotientBounds& f, const QuotientBounds& y) {
   return f.faa - c * y.faa + (f.fab - c * y.fab) * slope * 2.0 + (f.fbb - c * y.fbb) * square(slope);
 }
 
-// Length of the control polygons along a or b in eye space (perspective only: Z is the weight there).
-double space_length(const Net& net, bool a) {
+// Length of the control polygons along a or b in homogeneous coordinates, which stay finite where W vanishes.
+double homogeneous_length(const Net& net, bool a) {
   double longest = 0.0;
   const int n = a ? net.n : net.m, m = a ? net.m : net.n;
   for (int k = 0; k <= m; ++k) {
@@ -69,7 +69,7 @@ double space_length(const Net& net, bool a) {
     for (int i = 0; i < n; ++i) {
       const double* p = a ? net.at(i, k) : net.at(k, i);
       const double* q = a ? net.at(i + 1, k) : net.at(k, i + 1);
-      for (int c = 0; c < 3; ++c) length += std::fabs(q[c] / q[kZ] - p[c] / p[kZ]);
+      for (int c = 0; c < 4; ++c) length += std::fabs(q[c] - p[c]);
     }
     longest = std::max(longest, length);
   }
@@ -205,11 +205,11 @@ bool PieceBuilder::find_arcs(PartNet& part) {
 
 void PieceBuilder::subdivide(const PartNet& part, const HullBounds& hull) {
   const Net& net = part.net;
-  // What is distorted beyond any bound: halve it in space. What is in front shrinks towards the eye itself, where
-  // nothing is visible.
+  // What is distorted beyond any bound is halved in space, not by how it looks. What stays distorted shrinks towards the
+  // eye itself, where nothing is visible.
   if (part.distorted) {
     if (part.depth < kMaxDepth) {
-      halve(part, space_length(net, true) >= space_length(net, false));
+      halve(part, homogeneous_length(net, true) >= homogeneous_length(net, false));
     } else if (weight_range(net).lo > 0) {
       ++unresolved_;
     }
