@@ -22,6 +22,7 @@ from nofacet.cad.read import read_file
 TITLE = "Frames of 1920 x 1080, buffers color, coverage, depth and face, edge lines"
 RESOLUTION = (1920, 1080)
 CASES = ((4, 2), (4, 1), (1, 2))  # (samples, threads)
+STAGES = ("subdivide", "span", "visibility", "shade", "average", "edge")
 OWN = ("flange", "teapot", "bottle", "chain")
 THIRD_PARTY = ("nist_ctc_02_asme1_rc.stp", "linkrods.step")
 CHECKED = 4000  # pixels whose point is compared
@@ -48,9 +49,7 @@ def _rows(path: Path, runs: int) -> list[dict[str, Any]]:
             cpu_seconds.append(time.process_time() - cpu_start)
             stats.append(frame.stats)
         row: dict[str, Any] = {"model": path.name, "samples": samples, "threads": threads, "pieces": stats[0]["pieces"]}
-        row |= {
-            f"{stage} s": median(one[f"{stage}_seconds"] for one in stats) for stage in ("subdivide", "scan", "edge")
-        }
+        row |= {f"{stage} s": median(one[f"{stage}_seconds"] for one in stats) for stage in STAGES}
         row |= {"frame s": median(seconds), "CPU s": median(cpu_seconds)}
         rows.append(row | {"error px": error, "unresolved": stats[0]["unresolved"]})
     return rows

@@ -45,3 +45,18 @@ def test_python_compiles(document: Path) -> None:
 def test_every_picture_is_shown_somewhere() -> None:
     text = "".join(document.read_text(encoding="utf-8") for document in [*DOCUMENTS, *ROOT.glob("*/README.md")])
     assert not [path.name for path in (ROOT / "docs" / "images").iterdir() if path.name not in text]
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/accuracy.md"])
+def test_what_tables_name_is_in_the_files_they_name(document: str) -> None:
+    sources = [path for path in (ROOT / "src").rglob("*") if path.suffix in (".h", ".cpp", ".py")]
+    checked = 0
+    for row in re.findall(r"^\|.*\|$", (ROOT / document).read_text(encoding="utf-8"), re.MULTILINE):
+        files = [name for name in re.findall(r"`([^`]+)`", row.split("|")[-2]) if name.endswith((".h", ".cpp", ".py"))]
+        found = [path for path in sources if any(str(path).endswith(f"/{name}") for name in files)]
+        assert len(found) >= len(files), row
+        text = "".join(path.read_text(encoding="utf-8") for path in found)
+        for name in re.findall(r"`(?:\w+::)?(k[A-Z]\w+|[a-z]\w*_\w+)`", row) if files else []:
+            assert name in text, f"{name}: not in {files}"
+            checked += 1
+    assert checked >= 5

@@ -1,6 +1,8 @@
 """One small scene for every fault that was found and fixed: it must stay fixed."""
 
 import itertools
+import resource
+from pathlib import Path
 
 import cadquery as cq
 import numpy as np
@@ -8,6 +10,7 @@ import pytest
 
 import nofacet
 from conftest import model_of, rectangle_group
+from nofacet.bench.child import ChildFailure, in_child
 from nofacet.camera import Projection
 from nofacet.model import PatchGroup
 
@@ -305,3 +308,17 @@ def test_both_borders_of_a_trimmed_patch_turn_at_one_place(direction: tuple[floa
     other = nofacet.render(model, camera, RESOLUTION, method="bezier_clip_ray", samples=1, buffers=("face",))
     np.testing.assert_array_equal(frame.face, other.face)
     assert np.isfinite(frame.uv[frame.face >= 0]).all()
+
+
+@pytest.mark.parametrize("name", ["full.png", "full.exr", "full.npz"])
+def test_a_file_that_does_not_fit_on_the_disk_is_an_error(tmp_path: Path, name: str) -> None:
+    """What writes PNG files did not notice: the file ended where the disk was full."""
+    model = nofacet.load(cq.Workplane().sphere(1))
+    frame = nofacet.render(model, fit(model, (1, 1, 1)), RESOLUTION)
+
+    def save() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+        frame.save(tmp_path / name)
+
+    with pytest.raises(ChildFailure, match=r"full|large"):
+        in_child(save, 60.0)

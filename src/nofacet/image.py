@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import OpenImageIO as oiio  # 30 ms, which only those who touch images should pay
 
+PNG_END = b"IEND\xaeB`\x82"  # the last chunk's name and checksum
+
 
 def write(
     path: str | Path,
@@ -41,6 +43,16 @@ def write(
     error = output.geterror()
     if not (output.close() and written):
         raise OSError(f"{path}: {error or output.geterror()}")
+    if output.format_name() == "png":
+        _check_end(path)
+
+
+def _check_end(path: str | Path) -> None:
+    """OpenImageIO's writer of PNG files does not notice that a disk is full."""
+    with open(path, "rb") as file:
+        file.seek(max(0, file.seek(0, 2) - len(PNG_END)))
+        if file.read(len(PNG_END)) != PNG_END:
+            raise OSError(f"{path}: only a part of the picture was written; is the disk full?")
 
 
 def read(path: str | Path) -> tuple[NDArray[np.float32], list[str], dict[str, Any]]:

@@ -36,17 +36,9 @@ HWY_INLINE void solve_coarse(FloatLanes d, const CoarseNet& net, FloatVec a_lo, 
   for (int step = 0; step < steps; ++step) {
     FloatVec p[4], pa[4], pb[4];
     horner_lanes<kN, kM, false, kRational>(d, net.n, net.m, net.points, a, b, p, pa, pb);
-    FloatVec fx, fy, fxa = pa[kX], fxb = pb[kX], fya = pa[kY], fyb = pb[kY];
-    if constexpr (kRational) {
-      fx = hn::NegMulAdd(x, p[kW], p[kX]), fy = hn::NegMulAdd(y, p[kW], p[kY]);
-      fxa = hn::NegMulAdd(x, pa[kW], fxa), fya = hn::NegMulAdd(y, pa[kW], fya);
-      fxb = hn::NegMulAdd(x, pb[kW], fxb), fyb = hn::NegMulAdd(y, pb[kW], fyb);
-    } else {
-      fx = hn::Sub(p[kX], x), fy = hn::Sub(p[kY], y);
-    }
-    const FloatVec inverse = hn::Div(hn::Set(d, 1.0f), hn::MulSub(fxa, fyb, hn::Mul(fxb, fya)));
-    const FloatVec da = hn::Mul(hn::MulSub(fy, fxb, hn::Mul(fx, fyb)), inverse);
-    const FloatVec db = hn::Mul(hn::MulSub(fx, fya, hn::Mul(fy, fxa)), inverse);
+    const auto system = NewtonSystem<FloatVec>::at<kRational>(p, pa, pb, x, y);
+    const FloatVec inverse = hn::Div(hn::Set(d, 1.0f), system.determinant);
+    const FloatVec da = system.step_a(inverse), db = system.step_b(inverse);
     a = hn::Min(hn::Max(hn::Add(a, da), a_lo), a_hi), b = hn::Min(hn::Max(hn::Add(b, db), b_lo), b_hi);
     if (hn::AllTrue(d, hn::Lt(hn::Max(hn::Abs(da), hn::Abs(db)), hn::Set(d, enough)))) break;
   }

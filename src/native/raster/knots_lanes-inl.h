@@ -104,20 +104,36 @@ struct Knots {
     const std::size_t width = hn::Lanes(d), size = (x.size() + width - 1) / width * width;
     for (std::vector<double>* list : {&x, &y, &a, &b, &a_lo, &a_hi}) list->resize(size, list->back());
     a_by_x.resize(size), b_by_x.resize(size);
-    for (std::size_t k = 0; k < size; k += width) {
-      const SpanBox box(d, hn::LoadU(d, a_lo.data() + k), hn::LoadU(d, a_hi.data() + k));
-      Vec at_a = hn::LoadU(d, a.data() + k), at_b = hn::LoadU(d, b.data() + k);
-      LaneScreen s;
-      solve_on_span<kN, kM, kRational>(d, net, box, hn::LoadU(d, x.data() + k), hn::LoadU(d, y.data() + k), kMaxNewton,
-                                       kStep, at_a, at_b, s);
-      const Vec scale = hn::Div(hn::Set(d, 1.0), hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya)));
-      hn::StoreU(at_a, d, a.data() + k), hn::StoreU(at_b, d, b.data() + k);
-      hn::StoreU(hn::Mul(s.yb, scale), d, a_by_x.data() + k);
-      hn::StoreU(hn::Neg(hn::Mul(s.ya, scale)), d, b_by_x.data() + k);
-    }
+    for (std::size_t k = 0; k < size; k += width) solve<kN, kM, kRational>(d, net, k);
   }
 
  private:
+  // The vector of knots from k on.
+  template <int kN, int kM, bool kRational, class NetKind>
+  HWY_INLINE void solve(Lanes d, const NetKind& net, std::size_t k) {
+    const Origin origin = origin_of(net);
+    const SpanBox box(d, hn::LoadU(d, a_lo.data() + k), hn::LoadU(d, a_hi.data() + k));
+    const Vec to_x = hn::Sub(hn::LoadU(d, x.data() + k), hn::Set(d, origin.x));
+    const Vec to_y = hn::Sub(hn::LoadU(d, y.data() + k), hn::Set(d, origin.y));
+    Vec at_a = hn::LoadU(d, a.data() + k), at_b = hn::LoadU(d, b.data() + k);
+    for (int iteration = 1;; ++iteration) {
+      LaneJet jet;
+      evaluate_lanes<kN, kM, kRational>(d, net, at_a, at_b, jet);
+      const auto system = NewtonSystem<Vec>::at<kRational>(jet.p, jet.pa, jet.pb, to_x, to_y);
+      Vec inverse = hn::Div(hn::Set(d, 1.0), system.determinant);
+      const Vec da = system.step_a(inverse), db = system.step_b(inverse);
+      at_a = hn::Add(at_a, da), at_b = hn::Add(at_b, db);
+      box.clamp(at_a, at_b);
+      const Vec step = hn::Max(hn::Abs(da), hn::Abs(db));
+      if (iteration < kMaxNewton && !hn::AllTrue(d, hn::Lt(step, hn::Set(d, kStep)))) continue;
+      if constexpr (kRational) inverse = hn::Mul(inverse, jet.p[kW]);
+      hn::StoreU(at_a, d, a.data() + k), hn::StoreU(at_b, d, b.data() + k);
+      hn::StoreU(hn::Mul(system.fyb, inverse), d, a_by_x.data() + k);
+      hn::StoreU(hn::Neg(hn::Mul(system.fya, inverse)), d, b_by_x.data() + k);
+      return;
+    }
+  }
+
   static constexpr int kMaxNewton = 8;
   static constexpr double kStep = 1e-6;
 

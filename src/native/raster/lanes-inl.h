@@ -225,27 +225,30 @@ HWY_INLINE void evaluate_positions(Lanes d, const Net& net, Vec a, Vec b, Vec p[
   for (int c = 0; c < 4; ++c) p[c] = jet.p[c];
 }
 
-// x, y, key and their derivatives on the screen.
-struct LaneScreen {
-  Vec x, y, key, xa, xb, ya, yb, ka, kb;
-};
+// What a step of Newton's method towards (x, y) solves in each lane: F = P - (x, y) W vanishes at the solution. There
+// F_a = W x_a and so on, and the determinant is W^2 times the Jacobian.
+template <class V>
+struct NewtonSystem {
+  V fx, fy, fxa, fxb, fya, fyb, determinant;
 
-template <bool kRational>
-HWY_INLINE void to_screen(Lanes d, const LaneJet& jet, LaneScreen& s) {
-  if constexpr (kRational) {
-    const Vec r = hn::Div(hn::Set(d, 1.0), jet.p[kW]);
-    s.x = hn::Mul(jet.p[kX], r), s.y = hn::Mul(jet.p[kY], r), s.key = hn::Mul(jet.p[kZ], r);
-    s.xa = hn::Mul(hn::NegMulAdd(s.x, jet.pa[kW], jet.pa[kX]), r);
-    s.xb = hn::Mul(hn::NegMulAdd(s.x, jet.pb[kW], jet.pb[kX]), r);
-    s.ya = hn::Mul(hn::NegMulAdd(s.y, jet.pa[kW], jet.pa[kY]), r);
-    s.yb = hn::Mul(hn::NegMulAdd(s.y, jet.pb[kW], jet.pb[kY]), r);
-    s.ka = hn::Mul(hn::NegMulAdd(s.key, jet.pa[kW], jet.pa[kZ]), r);
-    s.kb = hn::Mul(hn::NegMulAdd(s.key, jet.pb[kW], jet.pb[kZ]), r);
-  } else {
-    s.x = jet.p[kX], s.y = jet.p[kY], s.key = jet.p[kZ];
-    s.xa = jet.pa[kX], s.xb = jet.pb[kX], s.ya = jet.pa[kY], s.yb = jet.pb[kY], s.ka = jet.pa[kZ], s.kb = jet.pb[kZ];
+  template <bool kRational>
+  static HWY_INLINE NewtonSystem at(const V p[4], const V pa[4], const V pb[4], V x, V y) {
+    NewtonSystem system;
+    system.fxa = pa[kX], system.fxb = pb[kX], system.fya = pa[kY], system.fyb = pb[kY];
+    if constexpr (kRational) {
+      system.fx = hn::NegMulAdd(x, p[kW], p[kX]), system.fy = hn::NegMulAdd(y, p[kW], p[kY]);
+      system.fxa = hn::NegMulAdd(x, pa[kW], system.fxa), system.fya = hn::NegMulAdd(y, pa[kW], system.fya);
+      system.fxb = hn::NegMulAdd(x, pb[kW], system.fxb), system.fyb = hn::NegMulAdd(y, pb[kW], system.fyb);
+    } else {
+      system.fx = hn::Sub(p[kX], x), system.fy = hn::Sub(p[kY], y);
+    }
+    system.determinant = hn::MulSub(system.fxa, system.fyb, hn::Mul(system.fxb, system.fya));
+    return system;
   }
-}
+  // The step, with the inverse of the determinant.
+  HWY_INLINE V step_a(V inverse) const { return hn::Mul(hn::MulSub(fy, fxb, hn::Mul(fx, fyb)), inverse); }
+  HWY_INLINE V step_b(V inverse) const { return hn::Mul(hn::MulSub(fx, fya, hn::Mul(fy, fxa)), inverse); }
+};
 
 // Calls body.template operator()<kN, kM, kRational>() with the net's degrees where kernels are made for them.
 template <class Body>

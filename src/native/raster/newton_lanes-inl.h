@@ -55,9 +55,10 @@ struct View {
 // key = nx x' + ny y' + const, scaled so that it points towards the eye and stays finite in single precision.
 struct Point {
   Vec key, nx, ny, nz, da, db, step;  // step: the larger of da and db
-  // Derivatives of F and, on the screen's scale, of the key; their determinant, and the weight after the step.
-  Vec fxa, fxb, fya, fyb, ka, kb, determinant, inverse, weight;
-  Vec ux, uy;  // the tangent plane's slopes, on the screen's scale
+  NewtonSystem<Vec> system;
+  Vec inverse;         // of its determinant
+  Vec ka, kb, weight;  // the key's derivatives, on the screen's scale; the weight after the step
+  Vec ux, uy;          // the tangent plane's slopes, on the screen's scale
 };
 
 // What is known of a point after a step.
@@ -70,29 +71,18 @@ struct Verdict {
 template <bool kRational>
 HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, const LaneJet& jet, Vec x, Vec y,
                             Point& out) {
-  // F = P - (x, y) W vanishes at the solution; there F_a = W x_a and so on, and D = W^2 J.
-  const Vec tx = hn::Sub(x, hn::Set(d, origin.x)), ty = hn::Sub(y, hn::Set(d, origin.y));
-  Vec fx, fy, fxa, fxb, fya, fyb;
-  if constexpr (kRational) {
-    fx = hn::NegMulAdd(tx, jet.p[kW], jet.p[kX]), fy = hn::NegMulAdd(ty, jet.p[kW], jet.p[kY]);
-    fxa = hn::NegMulAdd(tx, jet.pa[kW], jet.pa[kX]), fya = hn::NegMulAdd(ty, jet.pa[kW], jet.pa[kY]);
-    fxb = hn::NegMulAdd(tx, jet.pb[kW], jet.pb[kX]), fyb = hn::NegMulAdd(ty, jet.pb[kW], jet.pb[kY]);
-  } else {
-    fx = hn::Sub(jet.p[kX], tx), fy = hn::Sub(jet.p[kY], ty);
-    fxa = jet.pa[kX], fxb = jet.pb[kX], fya = jet.pa[kY], fyb = jet.pb[kY];
-  }
-  const Vec determinant = hn::MulSub(fxa, fyb, hn::Mul(fxb, fya));
+  const auto system = NewtonSystem<Vec>::at<kRational>(jet.p, jet.pa, jet.pb, hn::Sub(x, hn::Set(d, origin.x)),
+                                                       hn::Sub(y, hn::Set(d, origin.y)));
   // One division serves both: by the determinant, and by the weight before the step.
   const Vec one = hn::Set(d, 1.0);
   Vec inverse, weight_inverse;
   if constexpr (kRational) {
-    const Vec both = hn::Div(one, hn::Mul(determinant, jet.p[kW]));
-    inverse = hn::Mul(both, jet.p[kW]), weight_inverse = hn::Mul(both, determinant);
+    const Vec both = hn::Div(one, hn::Mul(system.determinant, jet.p[kW]));
+    inverse = hn::Mul(both, jet.p[kW]), weight_inverse = hn::Mul(both, system.determinant);
   } else {
-    inverse = hn::Div(one, determinant);
+    inverse = hn::Div(one, system.determinant);
   }
-  out.da = hn::Mul(hn::MulSub(fy, fxb, hn::Mul(fx, fyb)), inverse);
-  out.db = hn::Mul(hn::MulSub(fx, fya, hn::Mul(fy, fxa)), inverse);
+  out.da = system.step_a(inverse), out.db = system.step_b(inverse);
   out.step = hn::Max(hn::Abs(out.da), hn::Abs(out.db));
   Vec key = hn::MulAdd(out.da, jet.pa[kZ], hn::MulAdd(out.db, jet.pb[kZ], jet.p[kZ]));
   Vec ka = jet.pa[kZ], kb = jet.pb[kZ], weight = one;
@@ -112,8 +102,8 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
   const bool perspective = kRational && camera.perspective;
   const Vec scale = hn::Set(d, camera.scale);
   const Vec size = hn::Abs(out.key), key_scale = perspective ? hn::Div(scale, size) : scale;
-  const Vec by_x = hn::Mul(hn::MulSub(ka, fyb, hn::Mul(kb, fya)), inverse);
-  const Vec by_y = hn::Mul(hn::MulSub(kb, fxa, hn::Mul(ka, fxb)), inverse);
+  const Vec by_x = hn::Mul(hn::MulSub(ka, system.fyb, hn::Mul(kb, system.fya)), inverse);
+  const Vec by_y = hn::Mul(hn::MulSub(kb, system.fxa, hn::Mul(ka, system.fxb)), inverse);
   out.ux = hn::Mul(by_x, key_scale), out.uy = hn::Mul(by_y, key_scale);
   out.nx = out.ux, out.ny = hn::Neg(out.uy), out.nz = hn::Set(d, -1.0);
   if (perspective) {
@@ -121,15 +111,14 @@ HWY_INLINE void newton_step(Lanes d, const View& view, const Origin& origin, con
     const Vec nz = hn::MulAdd(hn::Sub(cx, x), by_x, hn::MulAdd(hn::Sub(cy, y), by_y, out.key));
     out.nz = hn::Div(nz, size);  // the key's unit is arbitrary
   }
-  out.fxa = fxa, out.fxb = fxb, out.fya = fya, out.fyb = fyb;
   out.ka = hn::Mul(ka, key_scale), out.kb = hn::Mul(kb, key_scale);
-  out.determinant = determinant, out.inverse = inverse, out.weight = weight;
+  out.system = system, out.inverse = inverse, out.weight = weight;
 }
 
 // Whether a step leaves a pixel accurate and its normal sound for shading, by bounds of the piece's tangents: much less
 // work than to judge it by its own.
 HWY_INLINE Mask is_steady(Lanes d, const View& view, const Point& point) {
-  const Vec size = hn::Abs(point.determinant), square = hn::Mul(point.step, point.step);
+  const Vec size = hn::Abs(point.system.determinant), square = hn::Mul(point.step, point.step);
   const Mask turns_little = hn::Le(point.step, hn::Mul(size, hn::Set(d, view.turn)));
   const Mask accurate =
       hn::Le(hn::Mul(square, hn::Add(size, hn::Set(d, view.rise))), hn::Mul(size, hn::Set(d, view.remainder)));
@@ -144,12 +133,13 @@ HWY_INLINE Verdict judge(Lanes d, const View& view, const Point& point, double n
   const Vec remainder = hn::Mul(hn::Mul(hn::Set(d, view.piece.bend), hn::Mul(point.step, point.step)), verdict.reach);
   // Squares of the tangents' lengths, times W^2.
   const auto square3 = [&](Vec p, Vec q, Vec r) HWY_ATTR { return hn::MulAdd(p, p, hn::MulAdd(q, q, hn::Mul(r, r))); };
-  const Vec a2 = square3(point.fxa, point.fya, point.ka), b2 = square3(point.fxb, point.fyb, point.kb);
+  const NewtonSystem<Vec>& system = point.system;
+  const Vec a2 = square3(system.fxa, system.fya, point.ka), b2 = square3(system.fxb, system.fyb, point.kb);
   // The tangents, taken before the step, differ from those after it by 2 bend step at most.
   const Vec turn = hn::Mul(hn::Mul(hn::Set(d, 2.0 / normal_tolerance * view.piece.bend), point.step), point.weight);
   verdict.normal_accurate = hn::Le(hn::Mul(turn, turn), hn::Min(a2, b2));
   verdict.accurate = hn::And(verdict.normal_accurate, hn::Le(remainder, hn::Set(d, kPixelTolerance)));
-  const Vec n2 = hn::Mul(square3(point.ux, point.uy, one), hn::Mul(point.determinant, point.determinant));
+  const Vec n2 = hn::Mul(square3(point.ux, point.uy, one), hn::Mul(system.determinant, system.determinant));
   const Vec degenerate = hn::Set(d, kDegenerate * kDegenerate);
   verdict.regular = hn::And(hn::Gt(n2, hn::Mul(hn::Set(d, kFlat * kFlat), hn::Mul(a2, b2))),
                             hn::And(hn::Ge(a2, hn::Mul(degenerate, b2)), hn::Ge(b2, hn::Mul(degenerate, a2))));
@@ -164,15 +154,9 @@ HWY_INLINE void second_step(Lanes d, const View& view, const NetKind& net, const
                             Vec a, Vec b, Vec x, Vec y, Point& out, Verdict& verdict) {
   Vec p[4];
   evaluate_positions<kN, kM, kRational>(d, net, a, b, p);
-  Vec fx, fy;
-  if constexpr (kRational) {
-    fx = hn::NegMulAdd(hn::Sub(x, hn::Set(d, origin.x)), p[kW], p[kX]);
-    fy = hn::NegMulAdd(hn::Sub(y, hn::Set(d, origin.y)), p[kW], p[kY]);
-  } else {
-    fx = hn::Sub(p[kX], hn::Sub(x, hn::Set(d, origin.x))), fy = hn::Sub(p[kY], hn::Sub(y, hn::Set(d, origin.y)));
-  }
-  const Vec da = hn::Mul(hn::MulSub(fy, out.fxb, hn::Mul(fx, out.fyb)), out.inverse);
-  const Vec db = hn::Mul(hn::MulSub(fx, out.fya, hn::Mul(fy, out.fxa)), out.inverse);
+  const auto system = NewtonSystem<Vec>::at<kRational>(p, jet.pa, jet.pb, hn::Sub(x, hn::Set(d, origin.x)),
+                                                       hn::Sub(y, hn::Set(d, origin.y)));
+  const Vec da = system.step_a(out.inverse), db = system.step_b(out.inverse);
   Vec key = hn::MulAdd(da, jet.pa[kZ], hn::MulAdd(db, jet.pb[kZ], p[kZ]));
   if constexpr (kRational) key = hn::Div(key, hn::MulAdd(da, jet.pa[kW], hn::MulAdd(db, jet.pb[kW], p[kW])));
   out.key = hn::Add(key, hn::Set(d, origin.key));

@@ -205,8 +205,8 @@ bool PieceBuilder::find_arcs(PartNet& part) {
 
 void PieceBuilder::subdivide(const PartNet& part, const HullBounds& hull) {
   const Net& net = part.net;
-  // What is distorted beyond any bound is halved in space, not by how it looks. What stays distorted shrinks towards the
-  // eye itself, where nothing is visible.
+  // What is distorted beyond any bound is halved in space, not by how it looks. What stays distorted shrinks towards
+  // the eye itself, where nothing is visible.
   if (part.distorted) {
     if (part.depth < kMaxDepth) {
       halve(part, homogeneous_length(net, true) >= homogeneous_length(net, false));

@@ -50,16 +50,9 @@ struct SolveKeys {
     for (int iteration = 1;; ++iteration) {
       KeyVec p[4], ps[4], pt[4];
       horner_lanes<kN, kM, true, kRational>(d, net.n, net.m, net.points, s, t, p, ps, pt);
-      // F = P - (x, y) W vanishes at the solution.
-      const auto residual = [&](const KeyVec* of, int c, KeyVec target) HWY_ATTR {
-        return kRational ? hn::NegMulAdd(target, of[kW], of[c]) : of == p ? hn::Sub(of[c], target) : of[c];
-      };
-      const KeyVec fx = residual(p, kX, x), fy = residual(p, kY, y);
-      const KeyVec fxs = residual(ps, kX, x), fys = residual(ps, kY, y);
-      const KeyVec fxt = residual(pt, kX, x), fyt = residual(pt, kY, y);
-      const KeyVec inverse = hn::Div(one, hn::MulSub(fxs, fyt, hn::Mul(fxt, fys)));
-      const KeyVec ds = hn::Mul(hn::MulSub(fy, fxt, hn::Mul(fx, fyt)), inverse);
-      const KeyVec dt = hn::Mul(hn::MulSub(fx, fys, hn::Mul(fy, fxs)), inverse);
+      const auto system = NewtonSystem<KeyVec>::at<kRational>(p, ps, pt, x, y);
+      const KeyVec inverse = hn::Div(one, system.determinant);
+      const KeyVec ds = system.step_a(inverse), dt = system.step_b(inverse);
       const KeyVec size = hn::Max(hn::Abs(ds), hn::Abs(dt));
       const KeyVec next_s = hn::Min(hn::Max(hn::Add(s, ds), s_lo), s_hi);
       const KeyVec next_t = hn::Min(hn::Max(hn::Add(t, dt), hn::Neg(half)), half);

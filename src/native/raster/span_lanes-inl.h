@@ -73,33 +73,6 @@ struct Origin {
 HWY_INLINE Origin origin_of(const Net&) { return {}; }
 HWY_INLINE Origin origin_of(const CentredNet& net) { return {net.x, net.y, net.key}; }
 
-// Newton's method for (x, y)(a, b) = (x, y) inside the box, until every lane's step is below `tolerance` or for
-// `iterations`. `s`: the screen position and derivatives before the last step. Returns the size of that step.
-template <int kN, int kM, bool kRational, class NetKind>
-HWY_INLINE Vec solve_on_span(Lanes d, const NetKind& net, const SpanBox& box, Vec x, Vec y, int iterations,
-                             double tolerance, Vec& a, Vec& b, LaneScreen& s) {
-  const Origin origin = origin_of(net);
-  x = hn::Sub(x, hn::Set(d, origin.x)), y = hn::Sub(y, hn::Set(d, origin.y));
-  for (int iteration = 1;; ++iteration) {
-    LaneJet jet;
-    evaluate_lanes<kN, kM, kRational>(d, net, a, b, jet);
-    to_screen<kRational>(d, jet, s);
-    const Vec inverse = hn::Div(hn::Set(d, 1.0), hn::MulSub(s.xa, s.yb, hn::Mul(s.xb, s.ya)));
-    const Vec rx = hn::Sub(x, s.x), ry = hn::Sub(y, s.y);
-    const Vec da = hn::Mul(hn::MulSub(rx, s.yb, hn::Mul(ry, s.xb)), inverse);
-    const Vec db = hn::Mul(hn::MulSub(ry, s.xa, hn::Mul(rx, s.ya)), inverse);
-    const Vec before_a = a, before_b = b;
-    a = hn::Add(a, da), b = hn::Add(b, db);
-    box.clamp(a, b);
-    const Vec step = hn::Max(hn::Abs(da), hn::Abs(db));
-    if (iteration < iterations && !hn::AllTrue(d, hn::Lt(step, hn::Set(d, tolerance)))) continue;
-    // What of the step the box allowed belongs to the position.
-    const Vec moved_a = hn::Sub(a, before_a), moved_b = hn::Sub(b, before_b);
-    s.key = hn::MulAdd(moved_a, s.ka, hn::MulAdd(moved_b, s.kb, hn::Add(s.key, hn::Set(d, origin.key))));
-    return step;
-  }
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace nofacet
 HWY_AFTER_NAMESPACE();

@@ -16,7 +16,7 @@ struct RayHit {
 };
 
 // Keeps the nearest opaque hit of each ray, and the transparent ones in front of it.
-// Memory: 72 bytes a ray of the tile, and 72 a transparent hit.
+// Memory: 64 bytes a ray of the tile, and 64 a transparent hit.
 class TileHits final : public HitSink {
  public:
   // A transparent hit, and whose ray's it is.

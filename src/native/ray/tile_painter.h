@@ -18,7 +18,8 @@ struct PixelRect {
   int x0, x1, y0, y1;
 };
 
-// Draws tiles of one frame. One per thread; memory: that of TileHits for kTileRays rays, or one pixel's.
+// Draws tiles of one frame. One per thread; memory: that of TileHits for the rays of a tile's part,
+// kTileSide a side, or one pixel's.
 class TilePainter {
  public:
   static constexpr int kTile = 16;  // pixels a side, at one sample
