@@ -3,7 +3,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raster/scan_planes.h"
+#include "raster/screen_jet.h"
+
 namespace nofacet {
+namespace {
+
+constexpr double kSameWay = 1e-3;  // radians between two surfaces that may be one
+
+// How the depth at a hit changes along the surface by the picture's x and y. NaN on a cap, which has no net; may be
+// infinite beside a silhouette.
+struct DepthSlopes {
+  double by_x, by_y;
+
+  explicit DepthSlopes(const RayHit& hit) : by_x(NAN), by_y(NAN) {
+    if (!hit.patch->net.points) return;
+    const ScreenJet at(evaluate(hit.patch->net, hit.s, hit.t));
+    const double key = (hit.patch->perspective ? -hit.depth * hit.depth : 1.0) / at.jacobian();  // or 1 / depth
+    by_x = key * (at.ka * at.yb - at.kb * at.ya), by_y = key * (at.kb * at.xa - at.ka * at.xb);
+  }
+};
+
+}  // namespace
+
 void TileHits::reset(int rays) {
   farthest_.assign(rays + SolvedRays::kPadding, INFINITY);
   std::fill(farthest_.begin() + rays, farthest_.end(), -INFINITY);
@@ -16,8 +38,17 @@ void TileHits::reset(int rays) {
 
 bool TileHits::shown_before(const RayHit& hit, const RayHit& other) const {
   if (!other.patch) return true;
-  const bool tie = std::fabs(hit.depth - other.depth) <= scene_.tie;
-  return tie ? hit.patch->face < other.patch->face : hit.depth < other.depth;
+  const double farther = hit.depth - other.depth;
+  if (std::fabs(farther) > scene_.tie) return farther < 0;
+  const DepthSlopes p(hit), q(other);
+  const double pixels = camera_.pixels_at(hit.depth), by_x = p.by_x - q.by_x, by_y = p.by_y - q.by_y;
+  // The cross product of the normals (-p, 1) and (-q, 1), and their lengths.
+  const auto square = [&](double x, double y) { return pixels * pixels * (x * x + y * y); };
+  const double across = pixels * pixels * (p.by_x * q.by_y - p.by_y * q.by_x);
+  const double sine = square(by_x, by_y) + across * across,
+               lengths = (1.0 + square(p.by_x, p.by_y)) * (1.0 + square(q.by_x, q.by_y));
+  if (sine > kSameWay * kSameWay * lengths) return farther + kSampleShiftX * by_x + kSampleShiftY * by_y < 0;
+  return hit.patch->face < other.patch->face;
 }
 
 void TileHits::add(const RayPatch& patch, const Region* region, const SolvedRays& solved) {

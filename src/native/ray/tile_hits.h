@@ -25,7 +25,7 @@ class TileHits final : public HitSink {
     RayHit hit;
   };
 
-  explicit TileHits(const RayScene& scene) : scene_(scene) {}
+  TileHits(const RayScene& scene, const Camera& camera) : scene_(scene), camera_(camera) {}
 
   // Forgets everything; `rays` may be hit.
   void reset(int rays);
@@ -37,7 +37,8 @@ class TileHits final : public HitSink {
 
   const RayHit& opaque(int ray) const { return hits_[ray]; }
   const std::vector<Veil>& veils() const { return veils_; }
-  // Of two hits of a ray, whether the first is the one shown.
+  // Of two hits of a ray, whether the first is the one shown. Depths that are tied are those of one surface only if the
+  // surfaces run the same way there; else they meet, and what is nearer where the ray is decides.
   bool shown_before(const RayHit& hit, const RayHit& other) const;
 
   bool hidden(double nearest) const override { return nearest > farthest_of_all_; }
@@ -50,6 +51,7 @@ class TileHits final : public HitSink {
   void keep(int ray, const RayHit& hit, bool veil);
 
   const RayScene& scene_;
+  const Camera& camera_;
   std::vector<double> farthest_;  // depth of the opaque hit, and the tie tolerance more
   std::vector<RayHit> hits_;
   std::vector<Veil> veils_;

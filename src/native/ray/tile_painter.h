@@ -30,7 +30,7 @@ class TilePainter {
         camera_(camera),
         samples_(options.samples),
         frame_(frame),
-        hits_(rays),
+        hits_(rays, camera),
         shader_(scene, camera, options, tree, rays.tie) {
     if (!options.sections.empty()) sections_.emplace(scene, camera, rays, options.sections);
   }
