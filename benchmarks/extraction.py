@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 from typing import Any
+from unittest.mock import patch
 
 import models
 import numpy as np
@@ -72,12 +73,9 @@ def _row(path: Path, runs: int) -> dict[str, Any]:
 
 def _opening_again(path: Path, runs: int) -> float:
     """Median CPU seconds of load() where the cache holds the model."""
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ[cache.SETTING] = folder
+    with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, {cache.SETTING: folder}):
         nofacet.load(path)
-        seconds = _median(runs, lambda: nofacet.load(path))
-        del os.environ[cache.SETTING]
-    return seconds
+        return _median(runs, lambda: nofacet.load(path))
 
 
 def _read(path: Path) -> TopoDS_Shape:

@@ -141,6 +141,19 @@ def test_unreadable_file(tmp_path: Path) -> None:
     assert "no permission" in refusal(path)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems refuse the name themselves")
+@pytest.mark.parametrize("content", ["ISO-10303-21;", "DBRep_DrawableShape"])
+def test_name_that_is_not_utf8(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "b\udcff.step"
+    path.write_text(content)
+    assert "the name is not UTF-8; rename it" in refusal(path)
+
+
+def test_timeout_that_is_no_number(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="timeout is nan; give seconds"):
+        load(tmp_path / "part.step", timeout=float("nan"))
+
+
 def test_header_without_shapes(tmp_path: Path) -> None:
     path = tmp_path / "part.step"
     path.write_text("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n")

@@ -278,6 +278,25 @@ def test_quick_run_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureF
     assert not (tmp_path / "bench.png").exists()
 
 
+def test_without_a_model_nothing_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "bench.md").write_text("of an earlier run")
+    assert main(["bench", "nowhere.step", "--quick", f"--output={tmp_path}"]) == 1
+    out, err = capsys.readouterr()
+    assert out == "" and "nofacet: nowhere.step: nowhere.step is not there" in err
+    assert (tmp_path / "bench.md").read_text() == "of an earlier run" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_the_folder_is_checked_first(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nofacet.bench.run.open_subject", None)
+    (tmp_path / "file").touch()
+    for folder, message in (("file", "is a file, and --output needs a folder"), ("file/sub", "Not a directory")):
+        assert main(["bench", "sphere", "--quick", f"--output={tmp_path / folder}"]) == 1
+        (line,) = capsys.readouterr().err.splitlines()
+        assert f"{tmp_path / folder}: " in line and message in line
+
+
 def test_whole_run_of_one_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     settings = [MeshSetting("1 px", 0.5, 0.5), MeshSetting("0.1 px", 0.1, 0.5), MeshSetting("hopeless", 1e-7, 0.5)]
     monkeypatch.setattr("nofacet.bench.run.mesh_settings", lambda pixel, sides: settings)

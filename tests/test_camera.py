@@ -88,6 +88,8 @@ def test_axes_are_right_up_forward() -> None:
         ({"position": [0, 0, 0]}, "same point"),
         ({"position": [1, 2]}, "three numbers"),
         ({"position": [1, 2, "x"]}, "finite number"),
+        ({"position": [10**400, 61, 47]}, "position is 10+; it must be a finite number"),
+        ({"position": [1e308, 61, 47], "focal_point": [-1e308, 0, 0]}, "too far apart"),
         ({"view_up": [83, 61, 47]}, "along the viewing direction"),
         ({"view_up": [0, 0, 0]}, "is zero"),
         ({"zoom": 2}, "unknown entry 'zoom'"),
@@ -96,6 +98,20 @@ def test_axes_are_right_up_forward() -> None:
 def test_bad_values_are_named(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Camera.from_dict({**ORTHOGRAPHIC, **change})
+
+
+def test_whole_numbers_of_any_size() -> None:
+    camera = Camera.from_dict({**ORTHOGRAPHIC, "position": [10**20, 61, np.int64(47)], "view_height": 10**21})
+    assert camera.position == (1e20, 61, 47) and camera.view_height == 1e21
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e-310, 1e-200, 1e160, 1e200, 1e308])
+def test_lengths_whose_squares_are_no_numbers(size: float, sphere: Model) -> None:
+    far = Camera("orthographic", (0, -size, 0), (0, 0, 0), (0, 0, size), view_height=2)
+    assert far.distance == size
+    np.testing.assert_array_equal(far.axes(), [[1, 0, 0], [0, 0, 1], [0, 1, 0]])
+    assert Camera.fit(sphere, (0, size, 0), view_up=(0, 0, size)).direction.tolist() == [0, 1, 0]
 
 
 def test_perspective_angle_has_limits() -> None:
@@ -215,8 +231,24 @@ def test_fit_refuses() -> None:
         Camera.fit(model, (0, 0, 0))
     with pytest.raises(ValueError, match="zoom is -1"):
         Camera.fit(model, zoom=-1)
+    for projection in ("perspektive", None):
+        with pytest.raises(ValueError, match=rf"projection is {projection!r}; write 'orthographic'"):
+            Camera.fit(model, projection=projection)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="view_angle is 180; it must be between 0 and 180"):
+        Camera.fit(model, projection="perspective", view_angle=180)
     with pytest.raises(InputError, match="no surface"):
         Camera.fit(replace(model, groups=[]))
+
+
+@pytest.mark.parametrize("resolution", [(0, 0), (-10, 10), (float("nan"), 10), (64.0, 48.0), (64,), 64])
+def test_fit_refuses_what_is_no_resolution(resolution: Any, sphere: Model) -> None:
+    with pytest.raises(ValueError, match=r"^resolution .*: give "):
+        Camera.fit(sphere, resolution=resolution)
+
+
+def test_fit_takes_numpys_integers(sphere: Model) -> None:
+    resolution = np.array([64, 48])
+    assert Camera.fit(sphere, resolution=(resolution[0], resolution[1])) == Camera.fit(sphere, resolution=(64, 48))
 
 
 def test_extent_follows_the_trim_loops() -> None:

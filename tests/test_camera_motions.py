@@ -109,6 +109,13 @@ def test_changing_the_projection_keeps_the_size_at_the_focal_point(camera: Camer
     assert camera.with_projection(camera.projection) is camera
 
 
+def test_changing_the_projection_refuses_what_makes_no_camera() -> None:
+    with pytest.raises(ValueError, match="view_angle is 0; it must be between 0 and 180"):
+        ORTHOGRAPHIC.with_projection("perspective", 0)
+    with pytest.raises(ValueError, match="projection is 'fisheye'"):
+        PERSPECTIVE.with_projection("fisheye")  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("camera", BOTH)
 def test_point_at_is_on_the_ray_through_the_pixel(camera: Camera) -> None:
     origin, direction = camera.rays(RESOLUTION)

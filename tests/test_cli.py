@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -131,6 +132,8 @@ def test_camera_options(stand: Stand) -> None:
     Path("camera.json").write_text(json.dumps(fixed.to_dict()))
     assert camera("--camera=camera.json") == fixed
     assert camera("--camera=part.png") == fixed  # from the picture that the line above made
+    Path("camera.json").write_text(json.dumps(fixed.to_dict()), encoding="utf-8-sig")  # as some editors save it
+    assert camera("--camera=camera.json") == fixed
 
 
 @pytest.mark.parametrize(
@@ -145,6 +148,10 @@ def test_camera_options(stand: Stand) -> None:
         (["render", "a.step", "--output=a.png", "--camera-dir=1,0,0"], "did you mean --camera-direction?"),
         (["--outptu=a.png"], "unknown option --outptu"),
         (["info", "a.step", "--edges"], "unknown option --edges"),
+        (["--verbose", "render", "a.step", "--output=a.png"], "--verbose comes before the command; write"),
+        (["--timeout", "5", "info", "a.step"], "--timeout comes before the command"),
+        (["render", "--camera-direction", "-1,1,-0.5"], "expected one argument; write --camera-direction=-1,1,-0.5"),
+        (["view", "--section", "-.5,0,0/1,0,0"], "expected one argument; write --section=-.5,0,0/1,0,0"),
     ],
 )
 def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments: list[str], message: str) -> None:
@@ -164,6 +171,7 @@ def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments
         (["--samples=0"], "from 1 up"),
         (["--threads=many"], "from 1 up"),
         (["--timeout=-1"], "not positive"),
+        (["--timeout=nan"], "'nan' is not a finite number; write for example 2.5"),
         (["--background-color=red"], "not 3 numbers"),
         (["--background-color=#12345g"], "not a color"),
         (["--background-color=0,0,2"], "from 0 to 1"),
@@ -176,6 +184,9 @@ def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments
         (["--camera-view-angle=20", "--camera-orthographic"], "is for perspective"),
         (["--camera-orthographic=maybe"], "neither true nor false"),
         (["--camera=missing.json"], "missing.json: No such file"),
+        (["--camera=."], ".: Is a directory; give a camera file, or a picture that nofacet made"),
+        (["--camera=o\udcff.png"], "the name is not UTF-8; rename it"),
+        (["--camera=deep.json"], "deep.json: this is not a JSON camera file"),
         (["--camera=empty.json"], "empty.json: this is not a JSON camera file"),
         (["--camera=list.json"], "list.json: camera: this is not a JSON object"),
         (["--camera=plain.png"], "only pictures made by nofacet"),
@@ -198,6 +209,7 @@ def test_wrong_usage(stand: Stand, capsys: pytest.CaptureFixture[str], arguments
 )
 def test_wrong_values(stand: Stand, capsys: pytest.CaptureFixture[str], options: list[str], message: str) -> None:
     Path("empty.json").write_text("")
+    Path("deep.json").write_text("[" * 100_000)
     Path("list.json").write_text("[1]")
     image.write("plain.png", np.zeros((2, 2, 4), np.uint8), "RGBA", {})
     assert run("--output=part.png", *options) == 2
@@ -208,10 +220,61 @@ def test_wrong_values(stand: Stand, capsys: pytest.CaptureFixture[str], options:
 
 def test_output_that_cannot_be_written(stand: Stand, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "folder.png").mkdir()
-    for output, message in (("missing/part.png", "missing does not exist"), ("folder.png", "cannot be written")):
+    for output, message in (
+        ("missing/part.png", "missing does not exist"),
+        ("folder.png", "cannot be written"),
+        ("o\udcff.png", "the name is not UTF-8; rename it"),
+    ):
         assert run(f"--output={output}") == 1
         assert message in only_line(capsys)
     assert not stand.loaded  # found before the long work
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is full")
+@pytest.mark.parametrize("extension", ["png", "npz"])
+def test_a_full_disk(stand: Stand, capsys: pytest.CaptureFixture[str], extension: str) -> None:
+    Path(f"full.{extension}").symlink_to("/dev/full")
+    assert run(f"--output=full.{extension}") == 1
+    line = only_line(capsys)
+    assert line.startswith(f"full.{extension}: cannot be written (")
+    assert line.endswith("; choose another place, or make room if the disk is full")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is full")
+@pytest.mark.parametrize("command", [["info"], ["render", "--output=-"]])
+def test_a_full_disk_behind_standard_output(command: list[str]) -> None:
+    flange = Path(__file__).parents[1] / "cad_models" / "flange.step"
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    with open("/dev/full", "w") as full:
+        result = subprocess.run(
+            [sys.executable, "-m", "nofacet", *command, str(flange)],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment,
+        )
+    assert result.returncode == 1
+    assert "standard output: cannot be written (No space left on device); choose" in result.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("command", [["info"], ["render", "--output=-"], ["bench"]])
+def test_standard_output_that_is_closed(
+    stand: Stand, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, command: list[str]
+) -> None:
+    monkeypatch.setattr(sys, "stdout", None)
+    assert cli.main([*command, "part.step"]) == 1
+    assert capsys.readouterr().err.startswith("nofacet: standard output is closed")
+    assert run("--output=part.png") == 0  # which writes nothing there
+    monkeypatch.setattr(sys, "stderr", None)
+    assert run("--output=-") == 1
+
+
+def test_names_that_the_terminal_cannot_show(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
+    stdout = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", stdout)
+    stand.model = replace(stand.model, source="tö.step")
+    assert cli.main(["info", "tö.step"]) == 0
+    assert stdout.buffer.getvalue().startswith(b"t\\xf6.step\n")
 
 
 def test_input_errors_are_one_line(stand: Stand, capsys: pytest.CaptureFixture[str], monkeypatch: Any) -> None:
@@ -334,7 +397,7 @@ def test_a_reader_that_goes_away_is_no_error(stand: Stand) -> None:
     program = (
         "import os, sys, nofacet; from nofacet import cli\n"
         "reader, writer = os.pipe(); os.close(reader); os.dup2(writer, 1)\n"
-        "cli._info = lambda options: print('x' * 100_000) or 0\n"
+        "cli._load = lambda options, path, measure: None; cli.summary = lambda model, faces: 'x' * 100_000\n"
         "sys.exit(cli.main(['info', 'part.step']))"
     )
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

@@ -312,6 +312,8 @@ def test_caps_of_section_planes_are_no_faces(sphere: Model) -> None:
     found = nofacet.evaluate(sphere, [-2, 0, -17, -1], np.array([[np.nan, np.nan], [1, 1], [0, 0], [0, 0]]))
     assert np.isnan(found.position).all(axis=1).tolist() == [True, False, True, True]
     assert np.isfinite(nofacet.evaluate(sphere, np.array([0], np.uint8), [[1, 1]]).normal).all()
+    far_below = np.array([-(2**32), -(2**63)])
+    assert np.isnan(nofacet.evaluate(sphere, far_below, [[0, 0], [0, 0]]).position).all()
 
 
 @pytest.mark.parametrize(
@@ -321,6 +323,8 @@ def test_caps_of_section_planes_are_no_faces(sphere: Model) -> None:
         ([0], [0, 0], r"uv must be \(n, 2\)"),
         ([0.5], [[0, 0]], "must be indices"),
         ([1], [[0, 0]], "face 1: the model has faces 0 to 0"),
+        (np.array([2**32]), [[0, 0]], "face 4294967296: the model has faces 0 to 0"),
+        (np.array([2**63], np.uint64), [[0, 0]], "face 9223372036854775808: the model has"),
     ],
 )
 def test_requests_that_make_no_sense(face: Any, uv: Any, message: str, sphere: Model) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nofacet import image
-from nofacet.camera import Camera
+from nofacet.camera import METADATA_KEY, Camera
 from nofacet.frame import BUFFERS, Frame
 
 WIDTH, HEIGHT = 5, 3
@@ -123,6 +123,62 @@ def test_over_a_background(camera: Camera, tmp_path: Path) -> None:
     assert np.rint(255 * pixels[1, 1]).tolist() == [255, 255, 128, 255]
 
 
+@pytest.mark.parametrize("background", [(5, 5, 5), (np.nan,) * 3, "white", (1, 2), (1, 1, 1, 1), (1, None, 1), 0.5])
+def test_backgrounds_are_three_values_from_0_to_1(frame: Frame, background: Any) -> None:
+    for before in (frame.over, frame.srgb8):
+        with pytest.raises(ValueError, match="^background .*: give three sRGB values from 0 to 1$"):
+            before(background)
+
+
+@pytest.mark.parametrize(("extension", "rtol"), [("npz", 1e-14), ("exr", 1e-6)])
+def test_position_alone_gives_depth_back(frame: Frame, tmp_path: Path, extension: str, rtol: float) -> None:
+    path = tmp_path / f"frame.{extension}"
+    frame.save(path, ["position"])
+    again = Frame.load(path)
+    assert again.buffers == ("depth", "position") and again.depth.dtype == np.float64
+    np.testing.assert_allclose(again.depth, frame.depth, rtol=rtol, atol=30 * rtol)
+    np.testing.assert_allclose(again.position, frame.position, rtol=rtol, atol=30 * rtol)
+
+
+def test_files_that_hold_no_frame_are_named(frame: Frame, tmp_path: Path) -> None:
+    path = tmp_path / "frame.npz"
+    frame.save(path)
+    whole = path.read_bytes()
+    damaged = bytearray(whole)
+    damaged[len(whole) // 2] ^= 255
+    np.save(tmp_path / "array.npy", frame.depth)
+    np.savez(tmp_path / "objects.npz", depth=np.array([{}], object))
+    contents = [b"", b"hello", whole[: len(whole) // 2], bytes(damaged)]
+    contents += [(tmp_path / name).read_bytes() for name in ("array.npy", "objects.npz")]
+    for content in contents:
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=r"frame\.npz: this is not a whole \.npz file of a frame"):
+            Frame.load(path)
+    (tmp_path / "frame.exr").write_bytes(b"hello")
+    with pytest.raises(ValueError, match=r"frame\.exr: this is not a whole EXR file"):
+        Frame.load(tmp_path / "frame.exr")
+    with pytest.raises(ValueError, match=r"frame\.jpg: cannot read \.jpg; give \.npz or \.exr"):
+        Frame.load(tmp_path / "frame.jpg")
+    with pytest.raises(FileNotFoundError, match=r"missing\.npz"):
+        Frame.load(tmp_path / "missing.npz")
+
+
+def test_what_is_wrong_with_a_frame_is_said_with_its_file(frame: Frame, tmp_path: Path) -> None:
+    path, camera = tmp_path / "frame.npz", json.dumps(frame.camera.to_dict())
+    for arrays, text, message in (
+        ({"depth": frame.depth}, "{", "the nofacet:camera in it is damaged"),
+        ({"depth": frame.depth}, "[]", "this is not a JSON object"),
+        ({"depth": frame.face}, camera, "buffer depth is int32"),
+        ({"position": frame.depth}, camera, "buffer position is float64 .*; it must be"),
+        ({"position": np.array("x")}, camera, "buffer position is <U1"),
+        ({}, camera, "at least one buffer"),
+    ):
+        stored: dict[str, Any] = {**arrays, METADATA_KEY: text}
+        np.savez(path, **stored)
+        with pytest.raises(ValueError, match=rf"frame\.npz: .*{message}"):
+            Frame.load(path)
+
+
 def test_files_that_cannot_be(frame: Frame, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"cannot write \.jpg; use \.png, \.exr or \.npz"):
         frame.save(tmp_path / "frame.jpg")
@@ -130,6 +186,10 @@ def test_files_that_cannot_be(frame: Frame, tmp_path: Path) -> None:
         frame.save(tmp_path / "missing" / "frame.png")
     with pytest.raises(ValueError, match="unknown buffer 'colour'"):
         frame.save(tmp_path / "frame.npz", ["colour"])
+    for name in ("none.npz", "none.exr"):
+        with pytest.raises(ValueError, match="no buffer to save; choose from color, "):
+            frame.save(tmp_path / name, [])
+        assert not (tmp_path / name).exists()
     with pytest.raises(ValueError, match="does not hold the buffers"):
         Frame.load(tmp_path / "frame.png")
     with pytest.raises(OSError):

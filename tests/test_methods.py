@@ -159,6 +159,7 @@ def test_buffers_agree_with_each_other(name: str, method: str) -> None:
         _, direction = camera.rays(resolution)
         assert (np.sum(frame.normal * direction, axis=2)[hit] <= 1e-6).all()
         assert (frame.face < scene(name).face_count).all()
+        assert not frame.uv[~hit].any() and not frame.normal[~hit].any()
 
 
 # Coverage

@@ -83,7 +83,7 @@ def test_section_planes_cut(window: list[Any], sphere: Model, tmp_path: Path) ->
     whole = nofacet.show(shell, interact=False, width=32, height=32)
     assert frame and whole and 0.3 < frame.coverage.sum() / whole.coverage.sum() < 0.9
     shown(window, sphere, sections=[plane])
-    assert window[-1][1]["sections"] == [plane]
+    assert window[-1][1]["sections"] == (plane,)
 
 
 def test_a_picture_gives_its_camera_back(window: list[Any], sphere: Model, tmp_path: Path) -> None:
@@ -184,6 +184,11 @@ def test_colors_in_every_form(window: list[Any]) -> None:
         ({"camera": "missing.json"}, "missing.json"),
         ({"screenshot": "a.jpg"}, r"cannot write \.jpg"),
         ({"width": 0, "interact": False}, "resolution 0"),
+        ({"width": 64.0}, r"resolution \(64.0, 720\): give two whole numbers"),
+        ({"samples": 2.5}, "samples 2.5: give 1 to 256, a whole number"),
+        ({"sections": nofacet.Section((0, 0, 0), (0, 0, 1))}, "sections Section.*: give a list"),
+        ({"projection": "fisheye"}, "projection is 'fisheye'"),
+        ({"background": (255, 255, 255)}, r"background \(255, 255, 255\): give three sRGB values from 0 to 1"),
     ],
 )
 def test_requests_that_make_no_sense(options: dict[str, Any], message: str, window: list[Any], sphere: Model) -> None:

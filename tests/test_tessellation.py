@@ -47,6 +47,27 @@ def test_deflection_in_pixels() -> None:
     assert nofacet.MeshSetting.in_pixels(1.0, near, (400, 200)).deflection == pytest.approx(0.05)
     with pytest.raises(ValueError, match="positive"):
         nofacet.MeshSetting.in_pixels(0.0, near, (400, 200))
+    with pytest.raises(ValueError, match="resolution 0 x 0: give"):
+        nofacet.MeshSetting.in_pixels(1.0, near, (0, 0))
+
+
+@pytest.mark.parametrize("value", [0.0, -0.1, float("nan"), float("inf")])
+def test_settings_are_positive_and_finite(value: float) -> None:
+    with pytest.raises(ValueError, match="mesh setting 'x': deflection is .*; it must be finite and positive"):
+        nofacet.MeshSetting("x", value)
+    with pytest.raises(ValueError, match="mesh setting 'x': angle is .*; it must be finite and positive"):
+        nofacet.MeshSetting("x", 0.1, value)
+
+
+def test_settings_are_relative_to_known_sides() -> None:
+    with pytest.raises(ValueError, match="relative_to is 'smallest side'; write 'largest side', 'mean side' or None"):
+        nofacet.MeshSetting("x", 0.1, relative_to="smallest side")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("setting", [nofacet.MeshSetting("x", 9e-8), nofacet.MeshSetting("x", 0.1, 9e-13)])
+def test_settings_that_are_0_to_opencascade(setting: nofacet.MeshSetting) -> None:
+    with pytest.raises(ValueError, match="OpenCascade needs at least 1e-07 model units and 1e-12 radians"):
+        nofacet.tessellate(cq.Workplane().box(1, 1, 1), setting)
 
 
 def test_mesher_checks_free_form_faces_at_few_points() -> None:

@@ -390,7 +390,10 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     ("arguments", "message"),
     [
         (["--view=wip", "a.step"], "--view: unknown view 'wip'; did you mean wipe?"),
-        (["--camera=missing.json", "a.step"], "missing.json: No such file or directory"),
+        (
+            ["--camera=missing.json", "a.step"],
+            "missing.json: No such file or directory; give a camera file, or a picture that nofacet made",
+        ),
         (
             ["--section=0,0,0", "a.step"],
             "argument --section: '0,0,0' is not ORIGIN/NORMAL; write for example 0,0,10/0,0,1 "

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -43,7 +45,7 @@ class Camera:
     its horizontal extent follows from the resolution. Depth is the distance from the eye plane, which holds `position`
     and is perpendicular to the viewing direction.
 
-    Raises ValueError where the values do not make a camera.
+    Raises ValueError where the values do not make a camera, or position and focal_point are too far apart for a float.
     """
 
     projection: Projection
@@ -56,20 +58,17 @@ class Camera:
     def __post_init__(self) -> None:
         for name in ("position", "focal_point", "view_up"):
             object.__setattr__(self, name, _vector(name, getattr(self, name)))
-        if self.projection not in ("orthographic", "perspective"):
-            raise ValueError(f"camera: projection is {self.projection!r}; write 'orthographic' or 'perspective'")
+        _check_projection(self.projection)
         extent, other = (
             ("view_height", "view_angle") if self.projection == "orthographic" else ("view_angle", "view_height")
         )
         if getattr(self, other) is not None:
             raise ValueError(f"camera: {other} does not belong to {self.projection} projection; give {extent} instead")
-        value = _number(extent, getattr(self, extent))
-        object.__setattr__(self, extent, value)
-        if value <= 0 or (extent == "view_angle" and value >= 180):
-            limit = "between 0 and 180 degrees" if extent == "view_angle" else "positive"
-            raise ValueError(f"camera: {extent} is {value:g}; it must be {limit}")
-        if self.distance == 0:  # also where their difference is too small for its square
+        object.__setattr__(self, extent, _extent(extent, getattr(self, extent)))
+        if self.distance == 0:
             raise ValueError("camera: position and focal_point are the same point; move one of them")
+        if not math.isfinite(self.distance):
+            raise ValueError("camera: position and focal_point are too far apart; move one of them nearer")
         if not any(self.view_up) or _parallel(self.direction, np.array(self.view_up)):
             raise ValueError("camera: view_up is zero or runs along the viewing direction; choose another view_up")
 
@@ -81,12 +80,12 @@ class Camera:
     @property
     def distance(self) -> float:
         """From the eye to the focal point, model units."""
-        return float(np.linalg.norm(np.subtract(self.focal_point, self.position)))
+        return math.dist(self.focal_point, self.position)
 
     def axes(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Unit vectors (3,) in the world that point right, up and forward in the picture."""
         forward = self.direction
-        right = _unit(_cross(forward, np.array(self.view_up)))
+        right = _unit(_cross(forward, _scaled(np.array(self.view_up))))
         return right, _cross(right, forward), forward
 
     def pixel_from_world(self, resolution: tuple[int, int]) -> NDArray[np.float64]:
@@ -165,8 +164,8 @@ class Camera:
         path = Path(path)
         picture = path.suffix.lower() in (".png", ".exr")
         try:
-            return cls.from_dict(json.loads(_text_of_picture(path) if picture else path.read_text(encoding="utf-8")))
-        except (json.JSONDecodeError, UnicodeDecodeError):
+            return cls.from_dict(json.loads(_text_of_picture(path) if picture else path.read_text("utf-8-sig")))
+        except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
             what = f"the {METADATA_KEY} in its metadata is damaged" if picture else "this is not a JSON camera file"
             raise ValueError(f"{path}: {what}") from None
         except ValueError as error:
@@ -189,10 +188,14 @@ class Camera:
         keeps its place and narrows `view_angle` (degrees, vertical), as a zoom lens does. Where `view_up` runs along
         `direction`, +Y, +Z or +X takes its place.
 
-        Raises InputError for a model without surfaces, ValueError for a zero direction or a zoom that is not positive.
+        Raises InputError for a model without surfaces, ValueError for an unknown projection, a zero direction, a zoom
+        that is not positive, a resolution that is not two whole numbers of at least 1 or a `view_angle` not between 0
+        and 180 degrees.
         """
         from .camera_fit import fit_orthographic, fit_perspective
 
+        _check_projection(projection)
+        width, height = check_resolution(resolution)
         zoom = _number("zoom", zoom)
         if zoom <= 0:
             raise ValueError(f"camera: zoom is {zoom:g}; it must be positive")
@@ -204,10 +207,9 @@ class Camera:
         up = next(
             u for u in (up, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)) if not _parallel(forward, np.array(u))
         )
-        aspect = resolution[0] / resolution[1]
         if projection == "orthographic":
-            return fit_orthographic(model, forward, up, aspect, zoom)
-        return fit_perspective(model, forward, up, aspect, _number("view_angle", view_angle), zoom)
+            return fit_orthographic(model, forward, up, width / height, zoom)
+        return fit_perspective(model, forward, up, width / height, _extent("view_angle", view_angle), zoom)
 
     def extent_at_unit_depth(self) -> float:
         """Height of the picture in the world: anywhere (orthographic), or at depth 1 (perspective)."""
@@ -278,13 +280,15 @@ class Camera:
         """This camera in another projection, in which what is as far away as the focal point keeps its size.
 
         view_angle: degrees, vertical, for a camera that becomes perspective: its eye moves to where that fits.
+        Raises ValueError for an unknown projection or a view angle that is not between 0 and 180.
         """
+        _check_projection(projection)
         if projection == self.projection:
             return self
         height = self.extent_at(self.distance)
         if projection == "orthographic":
             return replace(self, projection=projection, view_height=height, view_angle=None)
-        distance = height / (2 * float(np.tan(np.radians(view_angle) / 2)))
+        distance = height / (2 * float(np.tan(np.radians(_extent("view_angle", view_angle)) / 2)))
         position = as_vector(np.array(self.focal_point) - distance * self.direction)
         return replace(self, projection=projection, position=position, view_height=None, view_angle=view_angle)
 
@@ -307,6 +311,17 @@ class Camera:
         )
 
 
+def check_resolution(resolution: Any) -> tuple[int, int]:
+    """Width and height in pixels. Raises ValueError where they are not two whole numbers of at least 1."""
+    try:
+        width, height = map(operator.index, resolution)
+    except (TypeError, ValueError):
+        raise ValueError(f"resolution {resolution!r}: give two whole numbers, width and height") from None
+    if width < 1 or height < 1:
+        raise ValueError(f"resolution {width} x {height}: give a width and height of at least 1")
+    return width, height
+
+
 def _text_of_picture(path: Path) -> str:
     """The camera file in a picture's metadata."""
     from . import image
@@ -323,11 +338,18 @@ def _text_of_picture(path: Path) -> str:
 
 def _parallel(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     """Whether two vectors are parallel to within 1e-6 radians: then they do not span a picture."""
+    a, b = _scaled(a), _scaled(b)
     return float(np.linalg.norm(_cross(a, b))) <= 1e-6 * float(np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    vector = _scaled(vector)
     return vector / np.linalg.norm(vector)
+
+
+def _scaled(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The vector over a power of two that makes its squares neither overflow nor vanish; nothing is rounded."""
+    return np.ldexp(vector, -math.frexp(float(np.abs(vector).max()))[1])
 
 
 def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -350,10 +372,30 @@ def as_vector(vector: NDArray[np.float64]) -> Vector:
     return x, y, z
 
 
+def _check_projection(projection: Any) -> None:
+    if projection not in ("orthographic", "perspective"):
+        raise ValueError(f"camera: projection is {projection!r}; write 'orthographic' or 'perspective'")
+
+
+def _extent(name: str, value: Any) -> float:
+    """A view_height or view_angle that makes a picture."""
+    value = _number(name, value)
+    if value <= 0 or (name == "view_angle" and value >= 180):
+        limit = "between 0 and 180 degrees" if name == "view_angle" else "positive"
+        raise ValueError(f"camera: {name} is {value:g}; it must be {limit}")
+    return value
+
+
 def _number(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
+    number = math.nan
+    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+    if not math.isfinite(number):
         raise ValueError(f"camera: {name} is {'missing' if value is None else repr(value)}; it must be a finite number")
-    return float(value)
+    return number
 
 
 def _vector(name: str, value: Any) -> Vector:

@@ -6,7 +6,9 @@ Exit status: 0 done, 1 the input could not be shown or the picture not be writte
 from __future__ import annotations
 
 import argparse
+import io
 import os
+import re
 import sys
 import time
 import traceback
@@ -15,12 +17,13 @@ from contextlib import contextmanager
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import nofacet
 
 from .camera import DEFAULT_VIEW_ANGLE, VIEWS, Camera
 from .cli_options import (
+    VECTOR_OPTIONS,
     Parser,
     UsageError,
     add_bench_options,
@@ -45,17 +48,20 @@ CLEAR_LINE = "\r\x1b[K"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status."""
     verbose = "--verbose" in (sys.argv[1:] if arguments is None else arguments)
+    if sys.stderr is None:  # closed; print() would write to standard output instead
+        sys.stderr = io.StringIO()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a name may have letters that the terminal lacks
     try:
         options = _parse(arguments)
         status: int = options.run(options)
-        sys.stdout.flush()
         return status
     except UsageError as error:
         return _fail(error, 2)
     except InputError as error:
         return _fail(error, 1)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # keeps the interpreter's last flush quiet
         return BROKEN_PIPE
     except OSError as error:
         return _fail(f"{error.filename}: {error.strerror}" if error.filename else error, 1)
@@ -96,6 +102,12 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     if not words[0].startswith("-") and words[0] not in commands:
         meant = did_you_mean(words[0], list(commands)) or f"; the commands are {', '.join(commands)}"
         parser.error(f"unknown command {words[0]!r}{meant}")
+    first = words[0].split("=")[0]
+    if not parser.knows(first) and any(command.knows(first) for command, _ in commands.values()):
+        parser.error(f"{first} comes before the command; write options after it, as in nofacet info MODEL --verbose")
+    for name, value in zip(words[1:], words[2:], strict=False):
+        if words[0] in commands and name in VECTOR_OPTIONS and re.match(r"-[\d.].*,", value):
+            commands[words[0]][0].error(f"argument {name}: expected one argument; write {name}={value}")
     options, unknown = parser.parse_known_args(words)
     if options.command is None:
         parser.refuse_unknown(unknown)
@@ -151,9 +163,12 @@ def _render(options: argparse.Namespace) -> int:
         if options.background_color or (output.suffix.lower() == ".png" and not options.no_background):
             frame = frame.over(options.background_color or WHITE)
         if to_stdout:
-            sys.stdout.buffer.write(frame.to_png())
+            picture = frame.to_png()
+            with _standard_output() as stdout:
+                stdout.buffer.write(picture)
         else:
-            frame.save(output, options.buffers)
+            with _writing(output):
+                frame.save(output, options.buffers)
     return 1 if options.strict and (model.warnings or incomplete or warnings) else 0
 
 
@@ -190,7 +205,7 @@ def _write_view(options: argparse.Namespace, view: Any, camera: Camera | None) -
     model = _load(options, source, measure=True)
     with _stage(options, "fit camera"), _usage():
         camera = camera or _fitted_camera(options, model, side_resolution(view, options.resolution))
-    with _stage(options, "draw"):
+    with _stage(options, "draw"), _writing(output):
         given = {"model": model, "timeout": options.timeout, "sections": options.section}
         write_view(source, output, view, options.resolution, camera, **given)
 
@@ -219,17 +234,32 @@ def _say_stats(stats: Mapping[str, Any]) -> None:
 
 
 def _info(options: argparse.Namespace) -> int:
+    _check_standard_output()
     model = _load(options, options.model, measure=True)
-    print(summary(model, faces=options.faces))
+    with _standard_output() as stdout:
+        print(summary(model, faces=options.faces), file=stdout)
     return 1 if options.strict and model.warnings else 0
 
 
 def _bench(options: argparse.Namespace) -> int:
-    from .bench.run import run, write  # loads OpenCascade
+    from .bench.run import FILES, run, write  # loads OpenCascade
 
+    _check_standard_output()
+    folder = Path(options.output)
+    if folder.is_file():
+        raise InputError(f"{folder}: is a file, and --output needs a folder; choose another one")
+    with _writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    for name in FILES:
+        _check_writable(folder / name)
     report = run(options.models, options.resolution, options.threads, options.quick, _say)
-    sys.stdout.write(write(report, Path(options.output), plotted=not options.quick))
-    return 0 if report.subjects else 1
+    if not report.subjects:
+        return 1
+    with _writing(folder):
+        markdown = write(report, folder, plotted=not options.quick)
+    with _standard_output() as stdout:
+        stdout.write(markdown)
+    return 0
 
 
 def _load(options: argparse.Namespace, path: str, measure: bool = False) -> nofacet.Model:
@@ -252,6 +282,7 @@ def _check_output(options: argparse.Namespace, output: Path, to_stdout: bool) ->
     if options.buffers and options.background_color and "color" not in options.buffers:
         raise UsageError("--background-color needs the color buffer; add it to --buffers")
     if to_stdout:
+        _check_standard_output()
         if sys.stdout.isatty():
             raise UsageError(
                 "--output=- writes PNG data, and standard output is a terminal; send it to a file or program"
@@ -260,7 +291,46 @@ def _check_output(options: argparse.Namespace, output: Path, to_stdout: bool) ->
         _check_writable(output)
 
 
+def _check_standard_output() -> None:
+    if sys.stdout is None:
+        raise InputError("standard output is closed, and the result goes there; send it to a file or program")
+
+
+@contextmanager
+def _standard_output() -> Iterator[TextIO]:
+    """For what writes to it: in the end all is written, or an error says why not."""
+    with _writing("standard output"):
+        try:
+            yield sys.stdout
+            sys.stdout.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # keeps the interpreter's last flush quiet
+            raise
+
+
+@contextmanager
+def _writing(place: str | Path) -> Iterator[None]:
+    """For what writes there: an error says where, why and what to do."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        where, reason = error.filename or place, error.strerror or str(error).removeprefix(f"{place}: ")
+        advice = "choose another place, or make room if the disk is full"
+        raise InputError(f"{where}: cannot be written ({reason}); {advice}") from None
+
+
+def _check_name(path: str | Path) -> None:
+    """OpenImageIO takes no other names."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{path}: the name is not UTF-8; rename it") from None
+
+
 def _check_writable(output: Path) -> None:
+    _check_name(output)
     if not output.parent.is_dir():
         raise InputError(f"{output}: the folder {output.parent} does not exist; make it first")
     if output.is_dir() or not os.access(output if output.exists() else output.parent, os.W_OK):
@@ -293,11 +363,13 @@ def _camera_from_file(options: argparse.Namespace) -> Camera | None:
 
 def _camera_file(path: str) -> Camera:
     try:
+        _check_name(path)
         return Camera.load(path)
     except ValueError as error:
         raise UsageError(str(error)) from None
     except OSError as error:
-        raise UsageError(f"{path}: {error.strerror or error}") from None
+        reason = error.strerror or error
+        raise UsageError(f"{path}: {reason}; give a camera file, or a picture that nofacet made") from None
 
 
 def _direction(text: str) -> tuple[float, ...]:

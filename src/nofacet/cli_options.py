@@ -13,6 +13,7 @@ from .render import DEFAULT_METHOD, MAX_PIXELS, methods
 from .section import Section
 
 MAX_SIDE = 32_768  # pixels
+VECTOR_OPTIONS = ("--camera-direction", "--camera-view-up", "--section")  # whose values may begin with a minus sign
 
 
 class UsageError(Exception):
@@ -25,6 +26,9 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (see {self.prog} --help)")
 
+    def knows(self, option: str) -> bool:
+        return any(option in action.option_strings for action in self._actions)
+
     def refuse_unknown(self, unknown: Sequence[str]) -> None:
         if not unknown:
             return
@@ -36,7 +40,8 @@ class Parser(argparse.ArgumentParser):
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    longer = [name for name in known if word and name.startswith(word)]
+    close = longer or difflib.get_close_matches(word, known, n=1, cutoff=0.5)
     return f"; did you mean {close[0]}?" if close else ""
 
 
@@ -184,7 +189,8 @@ def _numbers(text: str, count: int, example: str) -> tuple[float, ...]:
     except ValueError:
         values = ()
     if len(values) != count or not all(abs(value) < float("inf") for value in values):
-        raise argparse.ArgumentTypeError(f"{text!r} is not {count} numbers; write for example {example}")
+        wanted = "a finite number" if count == 1 else f"{count} numbers"
+        raise argparse.ArgumentTypeError(f"{text!r} is not {wanted}; write for example {example}")
     return values
 
 

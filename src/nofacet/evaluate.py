@@ -63,9 +63,11 @@ def evaluate(model: Model, face: ArrayLike, uv: ArrayLike) -> SurfacePoints:
     if faces.size and faces.max() >= model.face_count:
         raise ValueError(f"face {faces.max()}: the model has faces 0 to {model.face_count - 1}")
     shape = faces.shape
+    index = faces.astype(np.int32)
+    index[faces < 0] = -1  # 64-bit ones may have become indices of faces
     result = SurfacePoints(*(np.empty((*shape, *inner)) for inner in ((3,), (3,), (2,), (2, 3))))
     scene_of(model).evaluate(
-        np.maximum(faces.ravel().astype(np.int32), np.int32(-1)),
+        index.ravel(),
         np.ascontiguousarray(parameters.reshape(-1, 2)),
         result.position,
         result.normal,

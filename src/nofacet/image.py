@@ -43,16 +43,21 @@ def write(
     error = output.geterror()
     if not (output.close() and written):
         raise OSError(f"{path}: {error or output.geterror()}")
-    if output.format_name() == "png":
-        _check_end(path)
+    if not _is_whole(path, height):
+        raise OSError(f"{path}: only a part of the picture was written; is the disk full?")
 
 
-def _check_end(path: str | Path) -> None:
-    """OpenImageIO's writer of PNG files does not notice that a disk is full."""
-    with open(path, "rb") as file:
-        file.seek(max(0, file.seek(0, 2) - len(PNG_END)))
-        if file.read(len(PNG_END)) != PNG_END:
-            raise OSError(f"{path}: only a part of the picture was written; is the disk full?")
+def _is_whole(path: str | Path, height: int) -> bool:
+    """Whether the end of the file was written: the libraries below do not always notice that a disk is full."""
+    if str(path).lower().endswith(".png"):  # which can only be read from its beginning
+        with open(path, "rb") as file:
+            file.seek(max(0, file.seek(0, 2) - len(PNG_END)))
+            return file.read(len(PNG_END)) == PNG_END
+    source = _open(path)
+    try:
+        return source.read_scanline(height - 1, 0, "float") is not None
+    finally:
+        source.close()
 
 
 def read(path: str | Path) -> tuple[NDArray[np.float32], list[str], dict[str, Any]]:

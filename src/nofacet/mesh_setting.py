@@ -14,10 +14,10 @@ Some of them mesh on several threads; here everything is meshed on one, as the m
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import dist, radians
+from math import isfinite, radians
 from typing import Literal
 
-from .camera import Camera
+from .camera import Camera, check_resolution
 
 DEFAULT_ANGLE = 0.5  # radians, BRepMesh_IncrementalMesh's own default
 
@@ -30,6 +30,8 @@ class MeshSetting:
         or a share of that side of the shape's bounding box which `relative_to` names.
     angle: largest angle, radians, between neighbouring segments of an edge, or normals on a face.
     delabella: use that algorithm instead of the default one (Watson).
+
+    Raises ValueError for a deflection or angle that is not a finite positive number, or an unknown side.
     """
 
     name: str
@@ -38,16 +40,26 @@ class MeshSetting:
     delabella: bool = False
     relative_to: Literal["largest side", "mean side"] | None = None
 
+    def __post_init__(self) -> None:
+        for name, value in (("deflection", self.deflection), ("angle", self.angle)):
+            if not (isfinite(value) and value > 0):
+                raise ValueError(f"mesh setting {self.name!r}: {name} is {value:g}; it must be finite and positive")
+        if self.relative_to not in (None, "largest side", "mean side"):
+            raise ValueError(
+                f"mesh setting {self.name!r}: relative_to is {self.relative_to!r}; "
+                "write 'largest side', 'mean side' or None"
+            )
+
     @classmethod
     def in_pixels(cls, size: float, camera: Camera, resolution: tuple[int, int]) -> MeshSetting:
         """A deflection of `size` pixels of the camera's picture; in perspective, at its focal point.
 
-        Raises ValueError for a size that is not positive.
+        Raises ValueError for a size that is not positive or a resolution that is not two whole numbers of at least 1.
         """
+        _, height = check_resolution(resolution)
         if not size > 0:
             raise ValueError(f"deflection {size:g} px: it must be positive")
-        depth = 1.0 if camera.projection == "orthographic" else dist(camera.position, camera.focal_point)
-        return cls(f"{size:g} px", size * depth * camera.extent_at_unit_depth() / resolution[1])
+        return cls(f"{size:g} px", size * camera.extent_at(camera.distance) / height)
 
     def for_box(self, sides: tuple[float, float, float]) -> MeshSetting:
         """The same with its deflection in model units, for a bounding box of these sides."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import _native
-from .camera import Camera
+from .camera import Camera, check_resolution
 from .errors import Cancelled, InputError
 from .frame import BUFFERS, Frame
 from .model import Model
@@ -47,7 +49,8 @@ def render(
     samples: what colour and coverage are averaged over: scan planes a pixel row (along x they are exact), or with
         "bezier_clip_ray" samples x samples rays a pixel.
     threads: None uses every core; no pixel depends on it.
-    buffers: names from `nofacet.frame.BUFFERS`; only these are computed ("position" needs no "depth" beside it).
+    buffers: names from `nofacet.frame.BUFFERS`; only these are computed. "position" is made of "depth", which the frame
+        therefore keeps, too.
     edges: draw the B-rep's edges as fine lines into `color`.
     shadows: of the key light; opaque faces cast them. Only with a method that casts secondary rays.
     reflectance: share of the mirror image in every face's colour, 0 to below 1; four bounces. Where it shows nothing,
@@ -62,11 +65,11 @@ def render(
     Raises ValueError for a request that makes no sense, InputError if the model has nothing to draw, Cancelled.
     The frame's `stats` hold the stages' times in seconds and counts.
     """
-    check_request(resolution, method, samples, threads, buffers, shadows, reflectance, sections)
+    request = check_request(resolution, method, samples, threads, buffers, shadows, reflectance, sections)
     if not model.groups:
         raise InputError(f"{model.source}: no face could be converted, there is nothing to draw; see its warnings")
-    width, height = resolution
-    wanted = {"depth" if name == "position" else name for name in buffers}
+    width, height = request.resolution
+    wanted = {"depth" if name == "position" else name for name in request.buffers}
     kept = set(wanted)
     if edges and "color" in wanted:
         wanted.add("depth")  # edge lines are hidden by depth
@@ -84,20 +87,30 @@ def render(
         perspective=camera.projection == "perspective",
         width=width,
         height=height,
-        samples=samples,
-        threads=threads or os.cpu_count() or 1,
+        samples=request.samples,
+        threads=request.threads or os.cpu_count() or 1,
         edges=edges,
         shadows=shadows,
         reflectance=reflectance,
-        sections=np.array([(plane.origin, plane.normal) for plane in sections], float).reshape(-1, 2, 3),
+        sections=np.array([(plane.origin, plane.normal) for plane in request.sections], float).reshape(-1, 2, 3),
         cancel=cancel,
         **arrays,
     )
     if stats.pop("cancelled"):
         raise Cancelled("the frame was called off")
-    if sections:
-        stats["warnings"] = uncapped_warnings(model, sections, stats.pop("uncapped_faces"))
+    if request.sections:
+        stats["warnings"] = uncapped_warnings(model, request.sections, stats.pop("uncapped_faces"))
     return Frame(camera, {name: arrays[name] for name in arrays if name in kept}, stats)
+
+
+class Request(NamedTuple):
+    """What check_request() was given, with whole numbers as int and sequences, which may be generators, as tuples."""
+
+    resolution: tuple[int, int]
+    samples: int
+    threads: int | None
+    buffers: tuple[str, ...]
+    sections: tuple[Section, ...]
 
 
 def check_request(
@@ -109,21 +122,19 @@ def check_request(
     shadows: bool = False,
     reflectance: float = 0.0,
     sections: Sequence[Section] = (),
-) -> None:
-    """Raise ValueError, in one line, for what render() would refuse whatever the model and the camera."""
-    width, height = resolution
-    if width < 1 or height < 1 or width * height > MAX_PIXELS:
-        raise ValueError(
-            f"resolution {width} x {height}: give a width and height of at least 1, {MAX_PIXELS} pixels in all"
-        )
+) -> Request:
+    """The request; raises ValueError, in one line, for what render() would refuse whatever the model and the camera."""
+    width, height = check_resolution(resolution)
+    if width * height > MAX_PIXELS:
+        raise ValueError(f"resolution {width} x {height}: give at most {MAX_PIXELS} pixels in all")
     if method not in methods():
         raise ValueError(f"unknown method {method!r}; choose one of {', '.join(methods())}")
-    if not 1 <= samples <= 256:
-        raise ValueError(f"samples {samples}: give 1 to 256")
-    if threads is not None and not 1 <= threads <= 1024:
-        raise ValueError(f"threads {threads}: give 1 to 1024, or None for every core")
-    unknown = [name for name in buffers if name not in BUFFERS]
-    if unknown or not buffers:
+    samples = _whole("samples", samples, 256)
+    if threads is not None:
+        threads = _whole("threads", threads, 1024, ", or None for every core")
+    names = _tuple("buffers", buffers)
+    unknown = [name for name in names if name not in BUFFERS]
+    if unknown or not names:
         what = f"unknown buffer {unknown[0]!r}" if unknown else "no buffer asked for"
         raise ValueError(f"{what}; choose from {', '.join(BUFFERS)}")
     if not 0 <= reflectance < 1:
@@ -131,5 +142,24 @@ def check_request(
     if (shadows or reflectance) and not _native.casts_secondary_rays(method):
         able = ", ".join(name for name in methods() if _native.casts_secondary_rays(name))
         raise ValueError(f"method {method!r} casts neither shadows nor mirror images; choose {able}")
-    if sections and (shadows or reflectance):
+    planes = _tuple("sections", sections)
+    if planes and (shadows or reflectance):
         raise ValueError("section planes cut neither shadows nor mirror images; leave out one or the other")
+    return Request((width, height), samples, threads, names, planes)
+
+
+def _whole(name: str, value: Any, most: int, otherwise: str = "") -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = 0
+    if not 1 <= number <= most:
+        raise ValueError(f"{name} {value}: give 1 to {most}, a whole number{otherwise}")
+    return number
+
+
+def _tuple(name: str, values: Any) -> tuple[Any, ...]:
+    try:
+        return tuple(values)
+    except TypeError:
+        raise ValueError(f"{name} {values!r}: give a list") from None

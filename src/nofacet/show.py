@@ -16,7 +16,7 @@ from .cad.load import load
 from .camera import VIEWS, Camera, Projection
 from .combine import combine
 from .errors import InputError
-from .frame import Frame, check_extension
+from .frame import Frame, check_extension, linear_background
 from .model import Model
 from .render import DEFAULT_BUFFERS, DEFAULT_METHOD, check_request, render
 from .section import Section
@@ -63,7 +63,9 @@ def show(
     Raises InputError if there is nothing to show, ValueError for a request that makes no sense, ImportError if there
     is no window to open. What cannot be shown beside the rest is named in a warning.
     """
-    check_request((width, height), DEFAULT_METHOD, samples, None, DEFAULT_BUFFERS)
+    request = check_request((width, height), DEFAULT_METHOD, samples, None, DEFAULT_BUFFERS, sections=sections)
+    if background is not None:
+        linear_background(background)
     file = None if screenshot is None else Path(screenshot)
     if file:
         check_extension(file)
@@ -71,20 +73,20 @@ def show(
     for warning in model.warnings:
         warnings.warn(warning, stacklevel=2)
     if camera is None:
-        camera = _fitted(model, direction, projection, zoom, (width, height))
+        camera = _fitted(model, direction, projection, zoom, request.resolution)
     elif not isinstance(camera, Camera):
         camera = Camera.load(Path(camera))
     quiet = file is not None or _in_notebook()
     frame = None
     if quiet or interact is False:
-        frame = render(model, camera, (width, height), samples=samples, edges=edges, sections=sections)
+        frame = render(model, camera, request.resolution, samples=samples, edges=edges, sections=request.sections)
         for warning in frame.stats.get("warnings", ()):
             warnings.warn(warning, stacklevel=2)
     if file and frame:
         behind = background if file.suffix.lower() == ".png" else None
         (frame if behind is None else frame.over(behind)).save(file)
     if interact or (interact is None and not quiet):
-        _open_window(model, camera, title, sections, (width, height))
+        _open_window(model, camera, title, request.sections, request.resolution)
         return None
     return frame
 

@@ -8,6 +8,9 @@ from typing import Any
 from .mesh import Mesh
 from .mesh_setting import MeshSetting
 
+FINEST_DEFLECTION = 1e-7  # model units, OpenCascade's Precision::Confusion()
+FINEST_ANGLE = 1e-12  # radians, its Precision::Angular()
+
 
 def read_shape(source: Any) -> Any:
     """The OpenCascade shape (TopoDS_Shape) that nofacet.load(source) numbers the faces of.
@@ -28,12 +31,17 @@ def tessellate(source: Any, setting: MeshSetting) -> Mesh:
     """OpenCascade's triangles of what nofacet.load(source) takes, in this process (see read_shape).
 
     Triangles that a shape given had before are thrown away. Faces that OpenCascade cannot mesh have none.
-    Raises InputError as load() does.
+    Raises InputError as load() does, ValueError for a deflection or an angle that OpenCascade takes for 0.
     """
     from .cad.tessellate import box_sides, tessellate
 
     shape = read_shape(source)
     absolute = setting.for_box(box_sides(shape))
+    if absolute.deflection < FINEST_DEFLECTION or absolute.angle < FINEST_ANGLE:
+        raise ValueError(
+            f"mesh setting {setting.name!r}: deflection {absolute.deflection:g} and angle {absolute.angle:g}; "
+            f"OpenCascade needs at least {FINEST_DEFLECTION:g} model units and {FINEST_ANGLE:g} radians"
+        )
     return tessellate(shape, absolute.deflection, absolute.angle, absolute.delabella)
 
 

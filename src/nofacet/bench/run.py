@@ -27,6 +27,7 @@ from .subject import Subject, default_names, open_subject
 
 MESHING_LIMIT = 20.0  # seconds a mesh
 CHECK_LIMIT = 60.0  # seconds for what OpenCascade's rays are asked
+FILES = ("bench.md", "bench.json", "bench.png")
 Say = Callable[[str], None]
 
 
@@ -40,8 +41,8 @@ def run(
 ) -> Report:
     """Measure the named models, all default ones without names.
 
-    quick: only frames, the floor and the first picture. say: called with a line as each stage begins.
-    What cannot be measured here gets a line in the report's left_out.
+    quick: only frames, the floor and the first picture. say: called with a line as each stage begins, and for each
+    model that cannot be read. What cannot be measured here gets a line in the report's left_out.
     """
     start = time.perf_counter()
     report = Report(describe(), threads)
@@ -52,6 +53,7 @@ def run(
             say(f"{time.perf_counter() - start:.0f} s: {name}")
             subject = open_subject(name, resolution)
         except InputError as error:
+            say(str(error))
             report.left_out.append(str(error))
             continue
         report.subjects.append(_measure(subject, threads, quick, meshing_limit, report.left_out))
@@ -85,11 +87,14 @@ def _measure(subject: Subject, threads: int, quick: bool, meshing_limit: float, 
 
 
 def write(report: Report, folder: Path, plotted: bool) -> str:
-    """Put bench.md, bench.json and bench.png (if plotted) into the folder; the Markdown text."""
+    """Put bench.md, bench.json and bench.png (if plotted) into the folder; the Markdown text.
+
+    Raises OSError where they cannot be written.
+    """
     found = bars(report)
     markdown = table.text(report, found)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "bench.md").write_text(markdown, encoding="utf-8")
+    (folder / "bench.md").write_text(markdown, encoding="utf-8", errors="backslashreplace")  # for names not in UTF-8
     record = asdict(report) | {"bars": [asdict(bar) | {"verdict": bar.verdict} for bar in found]}
     (folder / "bench.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
     if plotted and plot.missing() is None:

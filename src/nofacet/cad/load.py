@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Callable
@@ -38,8 +39,11 @@ def load(
 
     Lengths are in mm for STEP files (OpenCascade converts), else as in the source. Colours are linear RGBA.
     Raises InputError (one line: what is wrong, what to do) if there is nothing to show, Cancelled if it was called
-    off. What is lost of a model that can be shown is named in Model.warnings.
+    off, ValueError for a timeout that is not a number. What is lost of a model that can be shown is named in
+    Model.warnings.
     """
+    if math.isnan(timeout):
+        raise ValueError("timeout is nan; give seconds, or math.inf for no limit")
     if isinstance(source, (str, os.PathLike)):
         path = os.fsdecode(source)
         file_format(path)  # refuses at once what needs no OpenCascade to be refused
