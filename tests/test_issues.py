@@ -313,10 +313,14 @@ def test_both_borders_of_a_trimmed_patch_turn_at_one_place(direction: tuple[floa
 def test_an_edge_through_pixel_centres_shows_the_nearer_face(side: float, projection: Projection) -> None:
     """Rays through the centres met both of its faces at one depth; that of the lower index was shown, hidden or not."""
     model = nofacet.load(cq.Workplane().polyline([(-1, 0), (0, -1), (1, 0), (0, 1)]).close().extrude(1))
-    extent = (
-        {"view_height": 4.0} if projection == "orthographic" else {"view_angle": float(2 * np.degrees(np.arctan(0.2)))}
+    orthographic = projection == "orthographic"
+    camera = nofacet.Camera(
+        projection,
+        (0.0, 10.0 * side, 0.5),
+        (0.0, 0.0, 0.5),
+        view_height=4.0 if orthographic else None,
+        view_angle=None if orthographic else float(2 * np.degrees(np.arctan(0.2))),
     )
-    camera = nofacet.Camera(projection, (0.0, 10.0 * side, 0.5), (0.0, 0.0, 0.5), **extent)
     frames = [
         nofacet.render(model, camera, (41, 40), method, samples=1, buffers=("face",))
         for method in ("bezier_clip_scanline", "bezier_clip_ray")
