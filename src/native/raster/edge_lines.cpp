@@ -59,6 +59,12 @@ class FacePoints {
     return {screen[0] / screen[2], screen[1] / screen[2], camera_.depth(screen), screen[2] > 0};
   }
 
+  // The point of a curve in (u, v) at t.
+  LinePoint on(const double* curve, int degree, double t) {
+    const CurvePoint c = evaluate_curve(curve, degree, t);
+    return at(c.u, c.v);
+  }
+
  private:
   static double outside(const ParameterMap& map, double u) { return std::max(std::max(map.u0 - u, u - map.u1), 0.0); }
 
@@ -86,22 +92,26 @@ bool near_image(const LinePoint& p, const LinePoint& q, const Frame& frame) {
          std::min(p.y, q.y) <= frame.height + 1;
 }
 
+// Halves the line from t0 to t1 until what is left is straight: three points of it are near the chord, as a symmetric S
+// meets its chord in the middle.
 void flatten(FacePoints& points, const double* curve, int degree, const Frame& frame, double t0, const LinePoint& p0,
-             double t1, const LinePoint& p1, int halvings, std::vector<Chord>& out) {
-  const double t = 0.5 * (t0 + t1);
-  const CurvePoint c = evaluate_curve(curve, degree, t);
-  const LinePoint middle = points.at(c.u, c.v);
-  const double bend =
-      std::hypot(middle.x - 0.5 * (p0.x + p1.x), middle.y - 0.5 * (p0.y + p1.y),
-                 (middle.depth - 0.5 * (p0.depth + p1.depth)) * points.camera().pixels_at(middle.depth));
-  // The first halvings are unconditional, so that a symmetric S does not pass for straight.
-  const bool straight = halvings >= 3 && bend <= kFlatness && p0.in_front && p1.in_front;
+             const LinePoint& middle, double t1, const LinePoint& p1, int halvings, std::vector<Chord>& out) {
+  const LinePoint early = points.on(curve, degree, 0.75 * t0 + 0.25 * t1);
+  const LinePoint late = points.on(curve, degree, 0.25 * t0 + 0.75 * t1);
+  const auto is_near = [&](const LinePoint& p, double part) {
+    const auto away = [&](double LinePoint::* c) { return p.*c - ((1.0 - part) * p0.*c + part * p1.*c); };
+    const double depth = away(&LinePoint::depth) * points.camera().pixels_at(p.depth);
+    return std::hypot(away(&LinePoint::x), away(&LinePoint::y), depth) <= kFlatness;
+  };
+  const bool in_front = p0.in_front && p1.in_front;
+  const bool straight = in_front && is_near(middle, 0.5) && is_near(early, 0.25) && is_near(late, 0.75);
   if (straight || halvings >= kMaxHalvings) {
-    if (p0.in_front && p1.in_front && near_image(p0, p1, frame)) out.push_back({p0, p1});
+    if (in_front && near_image(p0, p1, frame)) out.push_back({p0, p1});
     return;
   }
-  flatten(points, curve, degree, frame, t0, p0, t, middle, halvings + 1, out);
-  flatten(points, curve, degree, frame, t, middle, t1, p1, halvings + 1, out);
+  const double t = 0.5 * (t0 + t1);
+  flatten(points, curve, degree, frame, t0, p0, early, t, middle, halvings + 1, out);
+  flatten(points, curve, degree, frame, t, middle, late, t1, p1, halvings + 1, out);
 }
 
 std::vector<Chord> face_chords(const Scene& scene, const Camera& camera, const Frame& frame, int32_t face) {
@@ -116,8 +126,9 @@ std::vector<Chord> face_chords(const Scene& scene, const Camera& camera, const F
     if (model.segment_edge[k] < 0) continue;
     const double* curve = model.segment_points + 3 * model.segment_offsets[k];
     const int degree = int(model.segment_offsets[k + 1] - model.segment_offsets[k]) - 1;
-    const CurvePoint from = evaluate_curve(curve, degree, 0.0), to = evaluate_curve(curve, degree, 1.0);
-    flatten(points, curve, degree, frame, 0.0, points.at(from.u, from.v), 1.0, points.at(to.u, to.v), 0, chords);
+    const LinePoint from = points.on(curve, degree, 0.0), middle = points.on(curve, degree, 0.5),
+                    to = points.on(curve, degree, 1.0);
+    flatten(points, curve, degree, frame, 0.0, from, middle, 1.0, to, 0, chords);
   }
   return chords;
 }
@@ -169,13 +180,19 @@ void draw_chord(const Chord& chord, const Camera& camera, const Frame& frame, in
   const double dx = q.x - p.x, dy = q.y - p.y, length2 = dx * dx + dy * dy, reach = kHalfWidth + 0.5;
   const int y0 = std::max(row0, int(std::floor(std::min(p.y, q.y) - reach)));
   const int y1 = std::min(row1 - 1, int(std::ceil(std::max(p.y, q.y) + reach)));
-  const int x0 = std::max(0, int(std::floor(std::max(-2.0, std::min(p.x, q.x) - reach))));
-  const int x1 = std::min(frame.width - 1, int(std::ceil(std::min(frame.width + 2.0, std::max(p.x, q.x) + reach))));
+  const Interval box{std::max(-2.0, std::min(p.x, q.x) - reach),
+                     std::min(frame.width + 2.0, std::max(p.x, q.x) + reach)};
+  const double per_length2 = std::isnormal(length2) ? 1.0 / length2 : 0.0;
+  const double half_width = reach * std::sqrt(length2) / std::fabs(dy);  // of the line along a row; infinite if level
   for (int y = y0; y <= y1; ++y) {
+    const double ry = y + 0.5 - p.y, middle = p.x + ry * dx / dy;
+    const Interval row = half_width < box.width() ? intersect(box, {middle - half_width, middle + half_width}) : box;
+    const int x0 = std::max(0, int(std::floor(row.lo)) - 1), x1 = std::min(frame.width - 1, int(std::ceil(row.hi)));
     for (int x = x0; x <= x1; ++x) {
-      const double rx = x + 0.5 - p.x, ry = y + 0.5 - p.y;
-      const double t = length2 > 0 ? std::clamp((rx * dx + ry * dy) / length2, 0.0, 1.0) : 0.0;
-      const double distance = std::hypot(rx - t * dx, ry - t * dy);
+      const double rx = x + 0.5 - p.x;
+      const double t = std::clamp((rx * dx + ry * dy) * per_length2, 0.0, 1.0);
+      const double away_x = rx - t * dx, away_y = ry - t * dy;
+      const double distance = std::sqrt(away_x * away_x + away_y * away_y);
       const float strength = float(kOpacity * std::clamp(reach - distance, 0.0, 1.0));
       float& pixel = opacity[std::size_t(y - row0) * frame.width + x];
       if (strength <= pixel) continue;
