@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import io
 import os
-import re
 import sys
 import time
 import traceback
@@ -23,7 +22,6 @@ import nofacet
 
 from .camera import DEFAULT_VIEW_ANGLE, VIEWS, Camera
 from .cli_options import (
-    VECTOR_OPTIONS,
     Parser,
     UsageError,
     add_bench_options,
@@ -33,7 +31,7 @@ from .cli_options import (
     did_you_mean,
     vector,
 )
-from .errors import InputError
+from .errors import InputError, check_name
 from .frame import BUFFERS, check_extension
 from .render import check_request
 from .summary import summary
@@ -105,9 +103,6 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     first = words[0].split("=")[0]
     if not parser.knows(first) and any(command.knows(first) for command, _ in commands.values()):
         parser.error(f"{first} comes before the command; write options after it, as in nofacet info MODEL --verbose")
-    for name, value in zip(words[1:], words[2:], strict=False):
-        if words[0] in commands and name in VECTOR_OPTIONS and re.match(r"-[\d.].*,", value):
-            commands[words[0]][0].error(f"argument {name}: expected one argument; write {name}={value}")
     options, unknown = parser.parse_known_args(words)
     if options.command is None:
         parser.refuse_unknown(unknown)
@@ -321,16 +316,8 @@ def _writing(place: str | Path) -> Iterator[None]:
         raise InputError(f"{where}: cannot be written ({reason}); {advice}") from None
 
 
-def _check_name(path: str | Path) -> None:
-    """OpenImageIO takes no other names."""
-    try:
-        str(path).encode()
-    except UnicodeEncodeError:
-        raise InputError(f"{path}: the name is not UTF-8; rename it") from None
-
-
 def _check_writable(output: Path) -> None:
-    _check_name(output)
+    check_name(str(output))
     if not output.parent.is_dir():
         raise InputError(f"{output}: the folder {output.parent} does not exist; make it first")
     if output.is_dir() or not os.access(output if output.exists() else output.parent, os.W_OK):
@@ -363,7 +350,7 @@ def _camera_from_file(options: argparse.Namespace) -> Camera | None:
 
 def _camera_file(path: str) -> Camera:
     try:
-        _check_name(path)
+        check_name(path)
         return Camera.load(path)
     except ValueError as error:
         raise UsageError(str(error)) from None

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import re
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from .camera import DEFAULT_VIEW_ANGLE, DEFAULT_ZOOM, VIEWS
 from .frame import BUFFERS
@@ -13,7 +14,6 @@ from .render import DEFAULT_METHOD, MAX_PIXELS, methods
 from .section import Section
 
 MAX_SIDE = 32_768  # pixels
-VECTOR_OPTIONS = ("--camera-direction", "--camera-view-up", "--section")  # whose values may begin with a minus sign
 
 
 class UsageError(Exception):
@@ -22,6 +22,10 @@ class UsageError(Exception):
 
 class Parser(argparse.ArgumentParser):
     """Says what is wrong in one line, and which option or command was probably meant."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self._negative_number_matcher = re.compile(r"-[\d.]")  # what is no option: -1,1,0 as well as -1
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (see {self.prog} --help)")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .camera import Camera, Vector
+from .camera import Camera, Vector, check_resolution
 from .evaluate import evaluate
 from .model import Model
 from .render import render
@@ -188,9 +188,7 @@ def _camera_of_pixel(camera: Camera, resolution: tuple[int, int], x: float, y: f
 
     In perspective it looks along that pixel's ray, so its pixel is a square across the ray.
     """
-    width, height = resolution
-    if width < 1 or height < 1:
-        raise ValueError(f"resolution {width} x {height}: give a width and height of at least 1")
+    width, height = check_resolution(resolution)
     right, up, forward = camera.axes()
     pixel = camera.extent_at_unit_depth() / height
     offset = pixel * ((x - width / 2) * right + (height / 2 - y) * up)

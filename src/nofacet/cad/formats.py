@@ -8,7 +8,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
-from nofacet.errors import InputError
+from nofacet.errors import InputError, check_name
 
 Format = Literal["step", "brep", "binary brep"]
 
@@ -48,8 +48,10 @@ class StepText:
 def file_format(path: str) -> Format:
     """The format of a file, told by its content and never by its extension.
 
-    Raises InputError if there is no such regular file, it cannot be opened, or it is neither STEP nor BREP.
+    Raises InputError if there is no such regular file, it cannot be opened, it is neither STEP nor BREP, or its name is
+    not UTF-8.
     """
+    check_name(path)
     head = _read_head(path)
     if not head.strip():
         raise InputError(f"{path}: is empty; export or copy the model again")

@@ -50,10 +50,6 @@ def read_file(path: str, enter_stage: Callable[[str], None] = lambda stage: None
     Raises InputError if nothing can be drawn; faces that are lost on the way are named in the warnings.
     """
     format_ = file_format(path)
-    try:
-        path.encode()
-    except UnicodeEncodeError:  # OpenCascade takes no other names
-        raise InputError(f"{path}: the name is not UTF-8; rename it") from None
     enter_stage("reading the file")
     try:
         return _read_step(path, enter_stage) if format_ == "step" else _read_brep(path, format_ == "binary brep")
